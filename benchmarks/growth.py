@@ -193,6 +193,54 @@ def checks(lines: int) -> Iterator[Figure]:
         yield done(f"check of {kind}", lambda source=source: check_source(source, profile()))  # type: ignore[misc]
 
 
+STRAIGHT: dict[str, str] = {
+    "straight movej": "  movej([0.{k}, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)\n",
+    "straight movel": "  movel([0.4, -0.2, 0.{k}, 3.14, 0, 0], a=1.2, v=0.25)\n",
+    "straight servoj": "  servoj([0.{k}, -1.4, -1.7, -1.6, 1.57, 0], t=0.004, lookahead_time=0.1, gain=300)\n",
+    "outputs": "  set_standard_digital_out({d}, {is_odd})\n",
+    "nested functions": (
+        "  def part{n}(x):\n    def inner(y):\n      return y + {d}\n    end\n    return inner(x)\n  end\n"
+        "  set_standard_digital_out({d}, part{n}({d}) > 3)\n"
+    ),
+    "elif": (
+        "  n = {d}\n  if n == 0:\n    set_standard_digital_out(0, True)\n"
+        + "".join(f"  elif n == {k}:\n    set_standard_digital_out({k}, {k % 2 == 0})\n" for k in range(1, 8))
+        + "  end\n"
+    ),
+    "long list": "    [0.{k}, -1.4, -1.7, -1.6, 1.57, 0],\n",
+    "long text": '    "{n} {k}"\n',
+}
+"""Lines of programs that are run to their end; those of the last two are in one list, in one text."""
+
+
+def straight_text(kind: str, lines: int) -> str:
+    """Return a program of about so many lines, most of which run once."""
+    part = STRAIGHT[kind]
+    count = max(1, lines // part.count("\n"))
+    body = "".join(part.format(n=n, k=100 + n * 7 % 400, d=n % 8, is_odd=n % 16 < 8) for n in range(count))
+    if kind == "long list":
+        body = f"  points = [\n{body}  ]\n  for q in points:\n    set_standard_digital_out(0, q[0] > 0.3)\n  end\n"
+    elif kind == "long text":
+        body = f"  words = (\n{body}  )\n  textmsg(len(words))\n"
+    return f"def job():\n{body}end\n"
+
+
+def straight(lines: int) -> Iterator[Figure]:
+    """Run programs of so many lines to their end."""
+    from elitescript import VirtualRobot
+    from elitescript.language.compiler import compile_task
+    from elitescript.language.text.source import SourceFile
+
+    robot = VirtualRobot()
+    for kind in STRAIGHT:
+        # What is loaded and computed once does not count.
+        robot.run(straight_text(kind, 20)).check()
+    for kind in STRAIGHT:
+        unit = compile_task(SourceFile("straight.script", straight_text(kind, lines)))
+        gc.collect()
+        yield done(f"run of {kind}", lambda unit=unit: robot.run(unit).check())  # type: ignore[misc]
+
+
 def worlds(devices: int) -> Iterator[Figure]:
     """Make a robot with cameras and wires around it, and run a program that uses the first camera."""
     from elitescript import VirtualRobot
@@ -263,6 +311,7 @@ TABLES: dict[str, tuple[Callable[[int], Iterator[Figure]], tuple[int, ...], str]
     "robots": (robots, (1, 10, 100, 1000), "robot"),
     "programs": (programs, (100, 1000, 10_000, 100_000), "line"),
     "checks": (checks, (1000, 5000, 10_000, 20_000, 40_000), "line"),
+    "straight": (straight, (1000, 5000, 10_000, 20_000, 40_000), "line"),
     "worlds": (worlds, (1, 10, 100, 1000), "device"),
     "runs": (runs, (*[hours for hours in (1, 10, 100) if hours < HOURS], HOURS), "hour"),
     "served": (served, (1, 5, 10, 25), "robot"),

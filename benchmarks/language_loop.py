@@ -14,7 +14,7 @@ from typing import Any
 from benchmarks.measure import best_in_turn
 from benchmarks.table import Row, print_rows, timed_row
 from elitescript.language.compiler import compile_unit
-from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, PAY, RANGE, STOP, TICK
+from elitescript.language.hooks import ATTRIBUTE, CHECKPOINT, LINE, LOOP, MAIN, PAY, RANGE, STOP, TICK
 from elitescript.language.text.dialect import translate
 from elitescript.language.text.source import SourceFile
 
@@ -154,8 +154,16 @@ def _instrumented(text: str) -> Callable[[], object]:
     def nothing(*_: object) -> None: ...
 
     refill()
-    hooks = {TICK: fuel.pop, CHECKPOINT: refill, PAY: pay, RANGE: range, STOP: KeyboardInterrupt, LINE: nothing}
-    hooks[FORMAT] = getattr
+    hooks = {
+        TICK: fuel.pop,
+        CHECKPOINT: refill,
+        PAY: pay,
+        RANGE: range,
+        STOP: KeyboardInterrupt,
+        LINE: nothing,
+        LOOP: bool,
+    }
+    hooks[ATTRIBUTE] = getattr
     namespace: dict[str, Any] = {"__builtins__": {**vars(builtins), **hooks}}
     exec(compile_unit(SourceFile("benchmark", text)).code, namespace)
     program: Callable[[], object] = namespace[MAIN]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from elitescript import VirtualRobot
 from elitescript.language.compiler import compile_unit
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import TextMessage
@@ -26,3 +27,9 @@ def test_a_run_of_usual_length_keeps_everything() -> None:
     for tick in range(RECORDS_MAX):
         run.add(TextMessage(tick, "", "main", 1))
     assert (len(run.events), run.events_dropped) == (RECORDS_MAX, 0)
+
+
+def test_warnings_of_the_compiler_are_hidden_as_those_of_check_are() -> None:
+    text = "def f():\n  print 'a'{}\nend\n"
+    assert len(VirtualRobot().run(text.format("")).warnings) == 1
+    assert VirtualRobot().run(text.format("  # check: ignore[E106]")).warnings == []

@@ -62,6 +62,7 @@ if TYPE_CHECKING:
     from elitescript.language.diagnostics import Diagnostic
     from elitescript.messages.profile import Profile
     from elitescript.runtime.host import ScriptHost
+    from elitescript.runtime.threads.strand import ThreadState
     from elitescript.solids.contacts import Contact, ContactWatch
 
 IDLE_TICKS: Final = ticks_for(1.0)
@@ -220,6 +221,10 @@ class VirtualRobot:
     def threads(self) -> tuple[Any, ...]:
         """Return every script thread: name, line and what it waits for."""
         return self._host.threads()
+
+    def explained_threads(self) -> tuple[Any, ...]:
+        """Return every script thread as `threads` does, with `because`: why it does not go on."""
+        return self.threads() if self._run is None else self._explained(self._run)
 
     def place(self, kind: str, name: str, port: int = 0) -> Place:
         """Return what becomes of a connection that its programs make; see `Outside.place`."""
@@ -441,7 +446,7 @@ class VirtualRobot:
         # The record of a program that runs must not become that of one that is refused.
         self.controller.task.require("start")
         self._globals = None
-        run = Run(unit, self.tick)
+        run = Run(unit, self.tick, _compiler_warnings(unit, self.options.ignored))
         run.is_alone = self._outside.is_alone and self._clients is None and not may_hold_set(values.values())
         run.look = lambda: self._look(run)
         run.check_text = partial(_findings_of, unit, self.profile, self.model, tuple(values), self.options)
@@ -714,19 +719,35 @@ class VirtualRobot:
             return
         if run.state == "":
             run.state = state
-            run.threads = self._host.explained_threads()
+            run.threads = self._explained(run)
             self._host.stop(state)
             self._host.run_tick(self.tick)
             if self._outside.surroundings is not None:
                 self._outside.surroundings.settle()
         self._rest(run)
 
+    def _explained(self, run: Run) -> tuple[ThreadState, ...]:
+        """Return the script threads with the reason why each does not go on."""
+        # Imported late: most runs go on.
+        from elitescript.devices.facts import RunFacts
+
+        facts = RunFacts(
+            run.record.raw,
+            is_whole=run.events_dropped == 0,
+            start_tick=run.start_tick,
+            surroundings=self._outside.surroundings,
+            next_write=self.controller.next_write,
+            has_clients=self._clients is not None,
+        )
+        return self._host.explained_threads(facts, run.start_tick)
+
     def _contact(self, contact: Contact, tick: int) -> None:
         """Warn of a contact."""
         self._event(Warned(tick, contact.text, "main", contact.line, "W273"))
 
     def _report_stuck(self) -> None:
-        threads = self._host.explained_threads()
+        assert self._run is not None
+        threads = self._explained(self._run)
         waits = "; ".join(
             f"{thread.name} (line {thread.line}) {f'waits for {thread.waits_for}' if thread.waits_for else 'is held'}"
             + (f": {thread.because}" if thread.because else "")
@@ -736,7 +757,6 @@ class VirtualRobot:
         waits += f"; {obstruction}" if obstruction else ""
         waits += "; the speed percentage is 0" if self.controller.speed_scale == 0.0 else ""
         line = threads[0].line if threads else 0
-        assert self._run is not None
         source = self._run.unit.source
         text = source.line(line) if line else ""
         alarm = Alarm(self.tick, "R130", "Stuck", f"nothing can ever happen again: {waits}", line, 1, "main", text)
@@ -798,6 +818,16 @@ def _findings_of(
     from elitescript.lint.engine import check_source
 
     return check_source(unit.source, firmware, strict=options.strict, presets=presets, arm=arm, ignored=options.ignored)
+
+
+def _compiler_warnings(unit: CompiledUnit, ignored: frozenset[str]) -> Iterable[Diagnostic]:
+    """Return what the compiler warns of, without what comments or options hide."""
+    if not unit.diagnostics:
+        return ()
+    # Imported late: most texts have none.
+    from elitescript.lint.suppression import without_suppressed
+
+    return without_suppressed(unit.diagnostics, unit.source, ignored)
 
 
 def _weakly(method: Any) -> Callable[[Any], None]:

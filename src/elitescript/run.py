@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 from elitescript.controller.views.trace_signals import SignalRecord
@@ -104,6 +104,10 @@ class EventRecord:
             self._events[:] = map(event_of, self._events)
         return self._events
 
+    def raw(self) -> list[Any]:
+        """Return the events, of which changes of signals may not have been made."""
+        return self._events
+
     def replace(self, events: list[Event]) -> None:
         """Go on with another list, which grows instead of the one before."""
         self._is_read, self._events = True, events
@@ -153,13 +157,13 @@ class Run:
         "watch",
     )
 
-    def __init__(self, unit: CompiledUnit, start_tick: int) -> None:
+    def __init__(self, unit: CompiledUnit, start_tick: int, problems: Iterable[Diagnostic] = ()) -> None:
         self.unit = unit
         self.start_tick = start_tick
         self.state: EndState | Literal[""] = ""
         self.log: list[str] = []
         self.printed: list[str] = []
-        self.warnings: list[str] = [str(problem) for problem in unit.diagnostics]
+        self.warnings: list[str] = [str(problem) for problem in problems]
         self._texts = [0, 0, 0]
         """Characters of `log`, `printed` and `warnings`, at least."""
         self.alarms: list[Alarm] = []

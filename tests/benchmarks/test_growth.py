@@ -9,7 +9,7 @@ from benchmarks.growth import Figure
 from benchmarks.table import Time
 
 
-@pytest.mark.parametrize("name", ["robots", "programs", "checks", "worlds"])
+@pytest.mark.parametrize("name", ["robots", "programs", "checks", "straight", "worlds"])
 def test_a_table_has_the_same_figures_at_each_size(name: str) -> None:
     measure, _, _ = growth.TABLES[name]
     small, larger = list(measure(1)), list(measure(2))

@@ -177,7 +177,7 @@ class FakeLines:
         self._ask("read", device, count, timeout_s)
         return self.received[:count]
 
-    def write(self, device: str, data: bytes) -> int | None:
+    def write(self, device: str, data: bytes, *, is_text: bool = False) -> int | None:
         self._ask("write", device, data)
         return len(data) if self.opens else None
 
@@ -298,6 +298,9 @@ class FakeRobot:
 
     def mistaken(self, meaning: str, value: Any) -> Any:
         return mistaken(meaning, self.kinds.get(value, ""))
+
+    def note_missing(self, command: str, came: int, number: int) -> None:
+        self.missing = command, came, number
 
     def remember(self, kind: str, value: Any) -> None:
         self.kinds[value] = kind

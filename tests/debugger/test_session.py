@@ -895,3 +895,17 @@ def test_too_many_digits_are_said_in_plain_words(text):
     with at_entry("sleep(1)\n") as session, pytest.raises(DebugError, match="a number has too many digits") as raised:
         session.evaluate(text)
     assert "sys." not in str(raised.value) and len(str(raised.value)) < 200
+
+
+class TestWhyThreadsWait:
+    def test_is_said_where_time_stands(self):
+        text = "def f():\n  sleep(0.1)\n  while not get_standard_digital_in(3):\n    sleep(0.1)\n  end\nend\n"
+        with at_entry(text) as session:
+            session.run_to_time(0.35)
+            (thread,) = session.threads()
+            assert thread.because == (
+                "`not get_standard_digital_in(3)` in line 3 has been true since 0.1 s: standard_digital_in[3] is False"
+            )
+            assert session.picture().threads == (thread,)
+            session.step_in(1)
+            assert session.threads()[0].because == ""

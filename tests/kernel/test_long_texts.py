@@ -60,7 +60,7 @@ class Robot:
         chosen = {**IN_VIRTUAL_TIME, "compiles_elsewhere": True, **options}
         environment = RequestEnvironment(MemoryFiles(files or {}))
         self.kernel = Kernel(RobotOptions(**chosen), environment, workshop=self.shelf)
-        self.shelf.here = CompilesHere(self.kernel.profile, self.kernel.model)
+        self.shelf.here = CompilesHere(self.kernel.profile, self.kernel.model, RobotOptions(**chosen).ignored)
         self.said: list[str] = []
         self.replies: list[tuple[str, object]] = []
         self.alarms: list[str] = []
@@ -245,3 +245,13 @@ def test_compiled_here_it_is_the_same_as_at_once():
     robot = Robot()
     robot.tick(sent(LONG))
     assert robot.tick(Compiled("compiler", 1), count=5) == plain.tick(sent(LONG), count=5)
+
+
+def test_findings_with_ignored_codes_are_left_out_of_long_and_short_texts():
+    long, short = program("long", "get_flag(0)"), "def short():\n  get_flag(0)\nend"
+    for options, expected in (({}, 2), ({"ignore": "W219"}, 0)):
+        robot = Robot(**options)
+        robot.tick(sent(short))
+        robot.tick(sent(long))
+        robot.tick(Compiled("compiler", robot.shelf.jobs[0].number))
+        assert sum("only gives a value" in text for text in robot.said) == expected

@@ -7,7 +7,7 @@ import copy
 from typing import Any
 
 from elitescript.language.compiler import CompiledUnit, compile_unit
-from elitescript.language.hooks import ATTRIBUTE, CHECKPOINT, LINE, MAIN, PAY, RANGE, STOP, TICK
+from elitescript.language.hooks import ATTRIBUTE, CHECKPOINT, LINE, LOOP, MAIN, PAY, RANGE, STOP, TICK
 from elitescript.language.options import DEFAULT, Options
 from elitescript.language.text.source import SourceFile
 
@@ -47,6 +47,7 @@ class Stage:
             TICK: self.fuel.pop,
             CHECKPOINT: self._checkpoint,
             PAY: self._pay,
+            LOOP: lambda line: True,
             RANGE: self.range,
             STOP: Stopped,
             LINE: lambda *mark: self.marks.append(mark),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.lint.effects import only_gives_a_value
 
 
 @pytest.mark.parametrize(
@@ -30,7 +29,7 @@ from elitescript.lint.effects import only_gives_a_value
     ],
 )
 def test_reading_and_computing_commands_only_give_a_value(name):
-    assert only_gives_a_value(CATALOGUE.get(name))
+    assert CATALOGUE.get(name).only_gives_a_value
 
 
 @pytest.mark.parametrize(
@@ -57,9 +56,9 @@ def test_reading_and_computing_commands_only_give_a_value(name):
     ],
 )
 def test_commands_that_do_something_are_no_mere_values(name):
-    assert not only_gives_a_value(CATALOGUE.get(name))
+    assert not CATALOGUE.get(name).only_gives_a_value
 
 
 def test_every_command_that_moves_waits_or_sets_is_outside():
-    pure = {command.name for command in CATALOGUE if only_gives_a_value(command)}
+    pure = {command.name for command in CATALOGUE if command.only_gives_a_value}
     assert not [name for name in pure if name.startswith(("set_", "write_", "mov", "servo", "speed", "socket_send"))]

@@ -71,7 +71,7 @@ class TestSection:
             """
         result = run(pytester, text)
         result.stdout.fnmatch_lines(["<program> on CS66: still running at the time limit after 1.000 s", "threads:"])
-        result.stdout.fnmatch_lines(["  main: line 2, waits for *"])
+        result.stdout.fnmatch_lines(["  main: line 2, `while True` in line 1 has no end"])
 
     def test_the_last_of_many_runs_and_lines_are_shown(self, pytester):
         text = """

@@ -151,7 +151,7 @@ class TestRun:
                 ">   movel(*",
                 "E   R111 RuntimeError: movel: *",
                 "E   still running after 5 s of robot time*",
-                "E   main: line 29, waits for *",
+                "E   main: line 29, `while True` in line 28 has no end",
                 "E   the program has ended before test_halted returned: stopped",
             ]
         )

@@ -296,15 +296,22 @@ class TestLeftLineEnd:
     def said(self, run):
         return [(event.line, event.code, event.text) for event in run.events if isinstance(event, Warned)]
 
-    @pytest.mark.parametrize(
-        "last", ['socket_read_string(suffix="\\n")', "socket_read_string()", 'socket_get_var("x")']
-    )
+    @pytest.mark.parametrize("last", ['socket_read_string(suffix="\\n")', "socket_read_string()"])
     def test_a_text_that_begins_with_it_is_a_warning_once(self, last):
         again = [self.ASK, "socket_read_ascii_float(2)", last]
         run = self.run("print(socket_read_ascii_float(2))", last, *again)
         assert run.printed == ["(2, 1.5, 2.0)"] or run.printed == ["[2, 1.5, 2.0]"]
         text = "the text read from socket 'socket_0' begins with the line end that socket_read_ascii_float has left"
         assert self.said(run) == [(5, "W272", text)]
+
+    def test_the_answer_to_a_question_passes_over_it(self):
+        class Server(self.Sender):
+            def line_received(self, connection, line):
+                return "x 7" if line == "GET x" else line
+
+        lines = OPEN, self.ASK, "socket_read_ascii_float(2)", 'print(socket_get_var("x"))'
+        run = cell(Server()).run(program(*lines))
+        assert (run.printed, self.said(run)) == (["7"], [])
 
     def test_other_numbers_and_text_behind_a_mark_skip_it(self):
         run = self.run(

@@ -18,7 +18,7 @@ from elitescript.messages.observations import (
     ReadingResumed,
     TextBeyondAscii,
 )
-from elitescript.testing.world import TcpServer, World
+from elitescript.testing.world import SerialDevice, TcpServer, World
 
 AT = (100, "cam", "socket", 7, "main")
 
@@ -33,10 +33,15 @@ class TestOddAnswers:
     @pytest.mark.parametrize(
         ("earlier", "answer", "is_late", "words"),
         [
-            ("", "ack", False, "was 'ack', not 'POS <int>': the value is 0"),
+            ("", "ack", True, "was 'ack' on socket 'cam', not 'POS <int>': the value is 0"),
             ("", None, True, "no answer to 'GET POS' came in time on socket 'cam': the value is 0"),
-            ("ack\n", "ack", False, "was 'ack', not 'POS <int>': the value is 0; it belongs to what was sent before"),
-            ("POS 10\n", None, False, "had come before it: 'POS 10\\n'; it belongs to what was sent before"),
+            (
+                "ack\n",
+                "ack",
+                False,
+                "'ack' came before the answer to 'GET POS' on socket 'cam', and is not 'POS ",
+            ),
+            ("POS 10\n", None, False, "had come before it: 'POS 10\\n'; it belongs to an earlier question"),
         ],
     )
     def test_what_came_instead(self, earlier, answer, is_late, words):
@@ -45,8 +50,8 @@ class TestOddAnswers:
         assert words in text
 
     def test_each_kind_once_a_channel(self):
-        behind, form = (OddAnswer(*AT, "GET POS", earlier, "x", False) for earlier in ("x\n", ""))
-        assert len(told(OddAnswers(), behind, behind, form, form)) == 2
+        passed, form = (OddAnswer(*AT, "GET POS", "", "x", is_late) for is_late in (False, True))
+        assert len(told(OddAnswers(), passed, passed, form, form)) == 2
 
 
 class TestDroppedNumbers:
@@ -172,6 +177,23 @@ class TestInRuns:
         body = ['socket_set_var("GTO", 1)', "sleep(0.1)", 'n = socket_get_var("POS")', 'n = socket_get_var("POS")']
         assert found(body, answers={"SET GTO 1": b"ack\n", "GET POS": b"POS 7\n"}) == [("W281", 5)]
 
+    @pytest.mark.parametrize("stray", [b"ack\n", b"ack\r\n\n", b"POS: 7\nGTO 1\n", b"POSITION 3\n"])
+    def test_lines_of_another_form_do_not_shift_answers(self, stray):
+        class Gripper(Device):
+            count = 0
+
+            def line_received(self, connection, line):
+                if not line.startswith("GET"):
+                    return stray
+                self.count += 10
+                return f"POS {self.count}"
+
+        lines = 'socket_open("10.0.0.7", 5000)', 'socket_set_var("GTO", 1)', "sleep(0.1)"
+        text = f"{chr(10).join(lines)}\nfor i in range(3): textmsg(socket_get_var('POS'))\n"
+        run = VirtualRobot("CS66", world=World([Gripper()])).run(text)
+        assert run.log == ["10", "20", "30"]
+        assert [row.code for row in run.findings] == ["W281"]
+
     @pytest.mark.parametrize(
         ("answer", "expected"),
         [
@@ -185,6 +207,31 @@ class TestInRuns:
     )
     def test_numbers(self, answer, expected):
         assert found(['socket_send_line("x")', "r = socket_read_ascii_float(3)"], answers={"x": answer}) == expected
+
+    def test_an_alarm_says_which_reading_gave_nan(self):
+        body = ["r = socket_read_ascii_float(3, timeout=0.1)", "x = r[2]", "movel([x, 0, 0.4, 0, 0, 0])"]
+        lines = "".join(f"  {line}\n" for line in body)
+        text = f'def f():\n  socket_open("10.0.0.7", 5000)\n{lines}end\n'
+        run = VirtualRobot("CS66", world=World([Device()])).run(text)
+        assert (
+            run.alarms[0]
+            .details["hint"]
+            .startswith("nan comes from socket_read_ascii_float in line 3, which has read 0 of 3 numbers")
+        )
+        text = "def f():\n  x = float('nan')\n  movel([x, 0, 0.4, 0, 0, 0])\nend\n"
+        assert "nan comes" not in VirtualRobot("CS66").run(text).alarms[0].details["hint"]
+
+    def test_serial_texts_and_data_left_unread(self):
+        class Scale(SerialDevice):
+            line = "box"
+
+            def line_received(self, line):
+                return "12.5"
+
+        text = 'def f():\n  serial_config(True, 115200, 0, 1)\n  serial_write("22 °C\\n")\n  sleep(0.2)\nend\n'
+        run = VirtualRobot("CS66", world=World([Scale()])).run(text)
+        assert [(row.code, row.line) for row in run.findings] == [("N280", 2), ("N282", 3)]
+        assert "'12.5\\n'" in run.findings[0].text
 
     def test_a_peer_that_has_closed_is_told_once(self):
         body = ['socket_send_line("x")', "sleep(0.1)", *['socket_send_line("y")', "s = socket_read_string()"] * 2]

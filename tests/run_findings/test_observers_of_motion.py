@@ -8,7 +8,13 @@ from elitescript.findings.observers.outputs_before_points import OutputsBeforePo
 from elitescript.findings.observers.short_stops import ShortStops
 from elitescript.findings.observers.starved_servo import IN_A_ROW, StarvedServo
 from elitescript.findings.observers.still_encoders import StillEncoders
-from elitescript.findings.observers.swallowed_refusals import CALLS_MAX, MOVES_MAX, PAUSE_TICKS, SwallowedRefusals
+from elitescript.findings.observers.swallowed_refusals import (
+    CALLS_MAX,
+    EVER_MAX,
+    MOVES_MAX,
+    PAUSE_TICKS,
+    SwallowedRefusals,
+)
 from elitescript.messages.observations import (
     CommandRefused,
     EncoderStill,
@@ -65,6 +71,11 @@ class TestSwallowedRefusals:
 
     def test_refusals_that_are_far_apart_are_not_in_a_row(self):
         assert told(SwallowedRefusals(), *self.refused(2 * MOVES_MAX, step_ticks=PAUSE_TICKS + 1)) == []
+
+    def test_a_hundred_of_them_are_told_all_the_same(self):
+        seen = self.refused(3 * EVER_MAX, step_ticks=PAUSE_TICKS + 1)
+        ((code, text, _),) = told(SwallowedRefusals(), *seen)
+        assert (code, text) == ("W292", "movel was refused 100 times, and the program goes on: reason 99")
 
 
 def test_short_stops_are_told_with_their_number():

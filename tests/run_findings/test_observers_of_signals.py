@@ -10,6 +10,10 @@ from elitescript.findings.observers.early_modbus import EarlyModbus
 from elitescript.findings.observers.missed_inputs import MissedInputs
 from elitescript.findings.observers.pulses_in_a_tick import PulsesInATick
 from elitescript.findings.observers.replaced_modbus import FEW_SETS, ReplacedModbus
+from elitescript.language import cleanup
+from elitescript.language.compiler import compile_task
+from elitescript.language.text.source import SourceFile
+from elitescript.messages.events import Warned
 from elitescript.messages.observations import (
     InputMissed,
     ModbusReadAgain,
@@ -221,3 +225,28 @@ class TestInRuns:
 
     def test_70000(self):
         assert found(self.ADD.format(3), 'modbus_set_output_register("s", 70000)', world=[Plc()]) == [("W287", 3)]
+
+
+def test_the_text_is_read_once_for_all_pulses(monkeypatch):
+    read = []
+    found = cleanup.cleanup_lines
+    monkeypatch.setattr(cleanup, "cleanup_lines", lambda source: read.append(source) or found(source))
+    lines = "".join(f"  set_standard_digital_out(0, {n % 2 == 0})\n" for n in range(50))
+    run = VirtualRobot().run(f"def job():\n{lines}end\n")
+    assert len(read) == 1
+    assert len(run.events) > 50
+
+
+def test_a_warning_looks_at_its_line_alone(monkeypatch):
+    class Noted(str):
+        __slots__ = ()
+
+        def __contains__(self, words):
+            assert words != "check:", "the whole text is searched"
+            return super().__contains__(words)
+
+    robot = VirtualRobot()
+    pulses = "".join(f"  set_standard_digital_out(0, {n % 2 == 0})\n" for n in range(4))
+    unit = compile_task(SourceFile("job.script", f"def job():\n{pulses}end  # check: ignore\n"))
+    object.__setattr__(unit.source, "text", Noted(unit.source.text))
+    assert any(isinstance(event, Warned) for event in robot.run(unit).events)

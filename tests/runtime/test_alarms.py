@@ -57,6 +57,28 @@ class TestWords:
         assert alarm.details["value"] == 99
         assert "15" in alarm.details["limit"]
 
+    @pytest.mark.parametrize(
+        ("call", "words"),
+        [
+            ("stop_thread(blink)", "stop_thread: thread_id must be an int, not function blink"),
+            ("stop_thread(sleep)", "stop_thread: thread_id must be an int, not function sleep"),
+            ("movej(math)", "movej: q must be a list of 6 numbers, not module math"),
+        ],
+    )
+    def test_functions_and_modules_go_by_their_names(self, call, words):
+        alarm = alarm_in(f"def job():\n  import math\n  def blink():\n    sync()\n  end\n  {call}\nend\n")
+        assert alarm.text.startswith(words)
+        assert "<" not in alarm.text
+        assert "<function" not in str(alarm.details)
+
+    @pytest.mark.parametrize("call", ["movel(p + [0, 0, 0.1, 0, 0, 0])", "movej(p * 3)", "pose_add(p * 2, p)"])
+    def test_lists_that_were_joined(self, call):
+        alarm = alarm_in(f"def job():\n  p = [0, 0, 0, 0, 0, 0]\n  {call}\nend\n")
+        assert alarm.details["hint"].startswith("`+` and `*` join and repeat lists")
+
+    def test_other_lengths_are_not(self):
+        assert "join" not in alarm_in("def job():\n  movel([0, 0, 0])\nend\n").details["hint"]
+
     def test_values_that_cannot_be_written_down_are_shown(self):
         alarm = alarm_in("def job():\n  sin(object())\nend\n")
         assert alarm.details["value"] == "<object object>"

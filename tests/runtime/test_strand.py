@@ -1,9 +1,21 @@
+import builtins
 import sys
+from contextlib import nullcontext
 
 import pytest
 
 from elitescript.runtime.threads import strand as strand_module
-from elitescript.runtime.threads.strand import ENDED, STOP, Stopped, Strand, is_stop, is_unwinding
+from elitescript.runtime.threads.strand import (
+    ENDED,
+    SHORT_TABLE,
+    STOP,
+    TABLES_MAX,
+    LineTables,
+    Stopped,
+    Strand,
+    is_stop,
+    is_unwinding,
+)
 
 SCRIPT = {"__builtins__": {}}["__builtins__"]
 
@@ -147,3 +159,66 @@ def test_an_abandoned_stack_is_kept(monkeypatch):
     strand.abandon()
     assert strand.is_abandoned and len(kept) == 1
     strand.resume()
+
+
+class TestLines:
+    """The line of a frame is what Python says, whatever the length of the code."""
+
+    TEXT = """def main():
+  note()
+  if note():
+    x = [note(),
+
+      note()] if note() else (
+      note())
+  for n in range(2):
+    with keep(note()): note(); note()
+  try:
+    note(); fail()
+  except ValueError:
+    note()
+  finally:
+    y = {name: note()
+      for name in "ab"}
+"""
+
+    def lines(self, text):
+        """The lines that a table says and those that Python says, of all frames from which `note` is called."""
+        tables, seen = LineTables(), []
+
+        def note():
+            frame = sys._getframe(1)
+            seen.append((tables.line_of(frame), frame.f_lineno))
+            return True
+
+        def fail():
+            raise ValueError
+
+        script_function(text, vars(builtins), note=note, fail=fail, keep=nullcontext)()
+        return seen
+
+    @pytest.mark.parametrize("count", [1, 60])
+    def test_they_are_those_of_python(self, count):
+        body = "".join(self.TEXT.splitlines(keepends=True)[1:])
+        seen = self.lines("def main():\n" + count * body)
+        assert len(seen) == count * 15
+        assert [said for said, _ in seen] == [line for _, line in seen]
+
+    def test_a_frame_that_has_not_begun_is_in_its_first_line(self):
+        text = "def main():\n  yield 1\n" + 200 * "  note(1, 2, 3)\n"
+        made = script_function(text, {})()
+        assert len(made.gi_code.co_linetable) > SHORT_TABLE
+        assert LineTables().line_of(made.gi_frame) == made.gi_frame.f_lineno == 1
+
+    def test_of_a_long_code_one_table_is_made_and_no_more_than_a_few_are_kept(self):
+        tables = LineTables()
+        made = [
+            script_function("def main():\n  yield 1\n" + 200 * f"  note({n})\n", {})() for n in range(TABLES_MAX + 1)
+        ]
+        for generator in made:
+            assert next(generator) == 1
+        for _ in range(3):
+            assert {tables.line_of(generator.gi_frame) for generator in made[:-1]} == {2}
+        assert len(tables._tables) == TABLES_MAX
+        assert tables.line_of(made[-1].gi_frame) == 2
+        assert len(tables._tables) == 1

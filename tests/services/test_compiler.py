@@ -75,7 +75,7 @@ def job(text: str = TEXT, number: int = 7, kind: str | None = "program") -> Job:
 
 
 def compiled(text: str = TEXT, kind: str | None = "program"):
-    return compiled_job(job(text, kind=kind), profile(DEFAULT_FIRMWARE), model_of(RobotOptions()))
+    return compiled_job(job(text, kind=kind), profile(DEFAULT_FIRMWARE), model_of(RobotOptions()), frozenset())
 
 
 @pytest.fixture(scope="module")

@@ -147,7 +147,7 @@ def tool_serial_write(robot: Robot, write_data: _Data) -> Annotated[_SentCount, 
     Returns:
         Number of bytes that were sent; what is less than 0 is a failure too.
     """
-    return robot.lines.write(TOOL_PORT, _octets(write_data)) or 0
+    return robot.lines.write(TOOL_PORT, _octets(write_data), is_text=isinstance(write_data, str)) or 0
 
 
 @command(family="serial", manual="3.41")
@@ -230,7 +230,7 @@ def serial_write(robot: Robot, data: _Data, port: CabinetPort = CABINET_PORT) ->
         True if it worked.
     """
     octets = _octets(data)
-    return robot.lines.write(cabinet_device(robot, port), octets) == len(octets)
+    return robot.lines.write(cabinet_device(robot, port), octets, is_text=isinstance(data, str)) == len(octets)
 
 
 @command(family="serial", manual="3.46", arguments=_ARGUMENTS)

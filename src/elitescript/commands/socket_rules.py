@@ -150,7 +150,11 @@ def _surplus(data: bytearray, mark: bytes) -> int:
 
 
 class Variable(Texts):
-    """The number of a line `<name> <int>`, brought into 32 bits: a rule; 0 for any other line and when time is up."""
+    """The number of a line `<name> <int>`, brought into 32 bits: a rule; 0 when time is up.
+
+    Lines of another form are passed over (*assumed*), so that an acknowledgement that was not read does not shift every
+    later answer by one question.
+    """
 
     __slots__ = ("_name", "is_late", "odd")
 
@@ -158,19 +162,23 @@ class Variable(Texts):
         super().__init__(b"", b"\n")
         self._name = name
         self.odd: str | None = None
-        """The line, if it has another form."""
+        """The first line with another form, if one came; a blank one is none."""
         self.is_late = False
-        """Whether no line came in time."""
+        """Whether no line of the form came in time."""
 
     def __call__(self, data: bytearray, is_last: bool) -> tuple[Any, int]:
-        answer, used = super().__call__(data, is_last)
-        if answer is None:
-            return None, used
-        value = _value_of(answer, self._name)
-        if value is None:
-            self.is_late = not used
-            self.odd = answer if used else None
-        return value or 0, used
+        used = 0
+        while True:
+            line, size = super().__call__(data[used:], is_last)
+            if not size:
+                self.is_late = is_last
+                return (0 if is_last else None), used
+            used += size
+            value = _value_of(line, self._name)
+            if value is not None:
+                return value, used
+            if self.odd is None and line.strip():
+                self.odd = line
 
 
 def _value_of(answer: str, name: str) -> int | None:

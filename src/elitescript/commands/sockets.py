@@ -102,6 +102,8 @@ def socket_get_var(
 ) -> Annotated[int, Integer(INT32_LOW, INT32_HIGH), Result("channel", {0: "also after a failure"})]:
     """Ask the server for a variable: sends `GET <name>` and a line feed, waits 2 s for `<name> <int>`.
 
+    Lines of another form are passed over (*assumed*).
+
     Args:
         var_name: name of the variable.
 
@@ -127,7 +129,10 @@ def socket_read_ascii_float(
     Returns:
         How many arrived, then `number` values; those that are missing are nan.
     """
-    return _counted(_read(robot, rules.Floats(number), socket_name, timeout), number, float("nan"))
+    values = _read(robot, rules.Floats(number), socket_name, timeout)
+    if len(values) < number:
+        robot.note_missing("socket_read_ascii_float", len(values), number)
+    return _counted(values, number, float("nan"))
 
 
 @command(family="socket", manual="5.1.5", waits=True, arguments=_ARGUMENTS)

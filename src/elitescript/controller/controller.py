@@ -290,6 +290,10 @@ class Controller:
         """Queue a request from outside for a tick, not before the present one; a refusal becomes a warning."""
         self._inbox.put(max(tick, self._tick), request, by)
 
+    def next_write(self, family: str, index: int) -> int | None:
+        """Return the earliest tick at which a queued request sets a point; None if none does."""
+        return self._inbox.next_write(family, index)
+
     # ---------------------------------------------------------------- reading
 
     @property

@@ -12,7 +12,7 @@ from typing import Final
 from elitescript.controller.refusals import refusal_text
 from elitescript.errors import ScriptError, UsageError
 from elitescript.messages.events import Warned
-from elitescript.messages.machine import MachineRequest
+from elitescript.messages.machine import MachineRequest, WriteSignal
 
 CAPACITY: Final = 1_000_000
 """Most entries that may wait; a full queue raises `UsageError`."""
@@ -53,6 +53,15 @@ class RequestQueue:
                 handle(request, by)
             except ScriptError as error:
                 refuse(Warned(tick, refusal_text(request, error)))
+
+    def next_write(self, family: str, index: int) -> int | None:
+        """Return the earliest tick at which a point of the signal image is set; None if none is."""
+        waiting = (
+            tick
+            for tick, _, _, request in self._heap
+            if isinstance(request, WriteSignal) and (request.name, request.index) == (family, index)
+        )
+        return min(waiting, default=None)
 
     @property
     def next_tick(self) -> int | None:

@@ -259,6 +259,8 @@ class Thread:
     line: int
     waits_for: str
     function: str
+    because: str = ""
+    """Why it does not go on, such as the condition of its loop."""
 
 
 @record
@@ -306,6 +308,7 @@ def moment(found: Moment) -> Message:
                 "line": t.line,
                 "waits_for": cut_name(t.waits_for),
                 "function": cut_name(t.function),
+                **({"because": cut_text(t.because)} if t.because else {}),
             }
             for t in found.threads[:THREADS_MAX]
         ],

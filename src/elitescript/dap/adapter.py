@@ -34,7 +34,7 @@ from elitescript.dap.messages import (
 )
 from elitescript.dap.sources import Sources
 from elitescript.dap.states import State, WhileRunning
-from elitescript.debugger.api import END, PAUSE, BreakpointState, Frame, Output, Stop
+from elitescript.debugger.api import END, PAUSE, BreakpointState, Frame, Output, Stop, ThreadInfo
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.wire import read
 from elitescript.errors import DebugError, ElitescriptError, did_you_mean
@@ -403,7 +403,8 @@ class Adapter:
             self._report_threads({})
             self.close(EXIT_CODES.get(stop.result, 1))
             return
-        threads = {thread.id: thread.name for thread in self.session.threads()}
+        found = self.session.threads()
+        threads = {thread.id: thread.name for thread in found}
         if stop.reason == END:
             # What a client goes back from.
             threads = {MAIN_THREAD: "main"}
@@ -414,6 +415,8 @@ class Adapter:
             body["threadId"] = self._stopped_thread = thread
         if body["description"] != stop.text:
             body["text"] = stop.text
+        if stop.reason == PAUSE and (why := "; ".join(_why(thread) for thread in found if thread.because)):
+            body["text"] = why
         if hits := self.breakpoints.numbers(stop.hits):
             body["hitBreakpointIds"] = hits
         self.event("stopped", body)
@@ -507,6 +510,12 @@ class Adapter:
             body["source"] = self.sources.shown(source)
             body.update(self.client.place(output.line, 0))
         self.event("output", body)
+
+
+def _why(thread: ThreadInfo) -> str:
+    """Return why a thread does not go on."""
+    wait = f" waits for {thread.waits_for}" if thread.waits_for else ""
+    return f"{thread.name} in line {thread.line}{wait}: {thread.because}"
 
 
 def _brief(stop: Stop) -> str:

@@ -280,6 +280,7 @@ class ThreadInfo:
         is_secondary: whether it is a secondary program.
         waits_for: reason of its wait, such as `lock pallet, held by main`; empty while it does not wait.
         line: innermost line of program text; 0 before it has begun.
+        because: why it does not go on, such as the condition of its loop; empty if that is not known.
     """
 
     id: int
@@ -287,6 +288,7 @@ class ThreadInfo:
     is_secondary: bool
     waits_for: str
     line: int
+    because: str = ""
 
 
 @record

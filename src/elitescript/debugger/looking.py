@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Mapping
 from math import hypot
 from types import FrameType
 from typing import Any, Final, TypeAlias
 
-from elitescript.commands.catalogue import CATALOGUE
 from elitescript.controller.controller import Controller
 from elitescript.debugger.api import Frame, Scope, ThreadInfo, Variable
 from elitescript.debugger.places import Places
@@ -29,11 +27,10 @@ from elitescript.debugger.values import (
     type_name,
 )
 from elitescript.errors import DebugError
-from elitescript.lint.effects import only_gives_a_value
-from elitescript.messages.profile import release_of
 from elitescript.messages.signals import SIGNALS
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.names.modules import Facade
+from elitescript.runtime.names.reading import predefined_call
 from elitescript.runtime.program import Program, is_shown
 from elitescript.runtime.stdlib.locks import A_LOCK, holder_awaited, is_lock, waits_at
 from elitescript.runtime.threads.strand import ENDED, Strand, state_of
@@ -44,7 +41,6 @@ from elitescript.values.concrete import (
     MissingName,
     Pure,
     Refusal,
-    builtin_call,
     computed,
     parsed,
     short,
@@ -70,21 +66,6 @@ Way: TypeAlias = tuple[int, str, int]
 NO_WAY: Final[Way] = (0, "", 0)
 
 _PURE_MODULES: Final = frozenset(("math", "cmath"))
-_CHANGING: Final = frozenset(
-    (
-        "write",
-        "request",
-        "request_from",
-        "request_motion",
-        "request_path_offset",
-        "cancel_move",
-        "emit",
-        "observe",
-        "put",
-    )
-)
-"""What a command may not ask of the machine while it is only looked at."""
-
 ROBOT_NAMES: Final = ("t", "tick", "tcp", "joints", "robot_mode", "safety")
 
 
@@ -157,16 +138,19 @@ class Look:
     def threads(self) -> tuple[ThreadInfo, ...]:
         """See `DebugSession.threads`."""
         found = []
+        reasons = self._host.reasons()
         for strand in self.strands():
             calls = self.calls(strand)
             wait = self._wait_of(strand, calls)
             line = calls[0].line if calls else 0
-            found.append(ThreadInfo(strand.order + 1, strand.name, strand.is_secondary, wait, line))
+            is_standing = strand is self._host.scheduler.current
+            because = "" if reasons is None or is_standing else reasons.of(strand)
+            found.append(ThreadInfo(strand.order + 1, strand.name, strand.is_secondary, wait, line, because))
         return tuple(found)
 
     def calls(self, strand: Strand) -> list[CallFrame]:
         """Return the calls of a thread, the innermost one first; those that an exception has left stand still."""
-        found = [(frame, frame.f_lineno or 0) for frame in strand.script_frames()]
+        found = [(frame, strand.line_of(frame)) for frame in strand.script_frames()]
         if self._is_failed(strand):
             assert self._error is not None
             trace, left = self._error.__traceback__, []
@@ -533,16 +517,10 @@ class Names:
         Raises:
             DebugError: it is refused, or fails.
         """
-        command = None if self.own(name)[0] else CATALOGUE.get(name)
         if self.own(name)[0]:
             raise Refusal(f"{name}() is a function of the program and may change something")
-        if command is not None:
-            if not only_gives_a_value(command):
-                raise Refusal(f"{name}() changes something or takes time")
-            if self._program is None or release_of(command.since) > self._program.context.profile.release:
-                raise DebugError(f"{name}() is not there")
-            return command.call(_reading(self._program), arguments, named)
-        return builtin_call(name, arguments, named)
+        context = None if self._program is None else self._program.context
+        return predefined_call(context, name, arguments, named)
 
 
 ROBOT_VALUES: Final[dict[str, Callable[[Controller], Any]]] = {
@@ -577,25 +555,3 @@ def _word(value: Any) -> str:
 
 def _name_of(facade: Facade) -> str:
     return repr(facade).split("'")[1]
-
-
-def _reading(program: Program) -> Any:
-    """Return a context for commands that refuses what changes the machine, and remembers nothing."""
-    context = copy.copy(program.context)
-    context.machine = _ReadOnly(program.context.machine)
-    context.forget_copies()
-    return context
-
-
-class _ReadOnly:
-    """The machine, without what changes it."""
-
-    __slots__ = ("_machine",)
-
-    def __init__(self, machine: Any) -> None:
-        self._machine = machine
-
-    def __getattr__(self, name: str) -> Any:
-        if name in _CHANGING:
-            raise Refusal("it changes the robot")
-        return getattr(self._machine, name)

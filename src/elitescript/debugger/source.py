@@ -180,7 +180,7 @@ class ProgramSource:
         self._make = partial(VirtualRobot, task_dir=task_dir, lines=lines, **options)
         robot = self._robot()
         self._may_be_real = robot.may_be_real
-        read = Options(strict=robot.options.strict, probes=STEPS_PROBES)
+        read = Options(strict=robot.options.strict, probes=STEPS_PROBES, ignored=robot.options.ignored)
         parsed = parse(source, read)
         self.may_fork = not (self._may_be_real and _leads_outside(parsed, robot))
         checked = check_parsed(parsed, robot.profile, presets=self._presets, arm=robot.model)

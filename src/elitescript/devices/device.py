@@ -281,6 +281,15 @@ class Device:
         """Whether it is connected to a port of the robot."""
         return False
 
+    def sets(self, name: str) -> str:
+        """Return when it sets a signal of the robot, as a sentence with `it` for the signal; empty if it does not."""
+        return f"{self.title} sets it" if name in self.driven_inputs else ""
+
+    @property
+    def may_set_any(self) -> bool:
+        """Whether its code is somebody else's, which may set any signal."""
+        return not _is_ours(type(self))
+
     def next_output_tick(self, tick: int) -> int | None:
         """Return the next tick after `tick` of which it must get the output although nothing happens in it."""
         return None

@@ -142,6 +142,19 @@ class Surroundings:
     def signal_changed(self, name: str, value: Value) -> None:
         """Note that a signal of the robot has changed in the tick that runs."""
 
+    def setters(self, name: str) -> list[str] | None:
+        """Return which devices set a signal, as sentences without subject; None if one may that does not say so."""
+        return []
+
+    def title_at(self, kind: str, where: str) -> str:
+        """Return how the device at the other end of a channel is called; empty if there is none.
+
+        Args:
+            kind: of the channel.
+            where: address and port, or the serial line.
+        """
+        return ""
+
     def next_tick(self, tick: int) -> int | None:
         """Return the next tick after `tick` at which a device does something."""
         return None

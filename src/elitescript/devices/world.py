@@ -164,6 +164,16 @@ class World(Surroundings):
     def has_line(self, device: str) -> bool:
         return device in self.network.lines
 
+    def setters(self, name: str) -> list[str] | None:
+        found = [words for device in self.devices if (words := device.sets(name))]
+        return None if not found and any(device.may_set_any for device in self.devices) else found
+
+    def title_at(self, kind: str, where: str) -> str:
+        address, _, port = where.rpartition(":")
+        server = self.network.server(address, int(port)) if port.isdecimal() else self.network.lines.get(where)
+        owner = getattr(server, "__self__", None)
+        return owner.title if isinstance(owner, Device) else ""
+
     def hear(self, listener: Callable[[Passing], Any]) -> None:
         """Have a function called with each message that passes between programs and devices, from now on."""
         self._faulty.on_message = listener

@@ -22,6 +22,7 @@ from elitescript.language.limits import SymbolCount
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult, compile_checked
+from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
@@ -49,17 +50,26 @@ class Job(NamedTuple):
     """Names of globals that have a value before the program begins."""
 
 
-def compiled_job(job: Job, profile: Profile, arm: ArmFacts) -> CheckResult:
-    """Check and compile a text; a line is only compiled."""
+def compiled_job(job: Job, profile: Profile, arm: ArmFacts, ignored: frozenset[str]) -> CheckResult:
+    """Check and compile a text; a line is only compiled.
+
+    Args:
+        job: the text.
+        profile: the firmware.
+        arm: for which it is checked.
+        ignored: codes of findings that are left out.
+    """
     source = SourceFile(job.name, job.text)
-    options = Options(strict=job.is_strict, kind=job.kind, probes=job.probes, first_probe=job.first_probe)
+    options = Options(
+        strict=job.is_strict, kind=job.kind, probes=job.probes, first_probe=job.first_probe, ignored=ignored
+    )
     if job.kind != LINE:
         return compile_checked(source, profile, options, presets=job.presets, arm=arm)
     try:
         unit = compile_unit(source, options)
     except ProgramError as error:
         return CheckResult(None, error.problems, job.is_strict)
-    return CheckResult(unit, unit.diagnostics, False)
+    return CheckResult(unit, tuple(without_suppressed(unit.diagnostics, source, ignored)), False)
 
 
 class Workshop(Protocol):
@@ -81,13 +91,15 @@ class CompilesHere:
     Args:
         profile: the firmware.
         arm: for which programs are checked.
+        ignored: codes of findings that are left out.
     """
 
-    __slots__ = ("_arm", "_jobs", "_profile")
+    __slots__ = ("_arm", "_ignored", "_jobs", "_profile")
 
-    def __init__(self, profile: Profile, arm: ArmFacts) -> None:
+    def __init__(self, profile: Profile, arm: ArmFacts, ignored: frozenset[str]) -> None:
         self._profile = profile
         self._arm = arm
+        self._ignored = ignored
         self._jobs: dict[int, Job] = {}
 
     def begin(self, job: Job) -> None:
@@ -96,7 +108,7 @@ class CompilesHere:
 
     def result(self, number: int) -> CheckResult | None:
         """Compile a text."""
-        return compiled_job(self._jobs.pop(number), self._profile, self._arm)
+        return compiled_job(self._jobs.pop(number), self._profile, self._arm, self._ignored)
 
     def drop(self, number: int) -> None:
         """Forget a text."""

@@ -129,6 +129,7 @@ class InputHandlers:
         self.replies: list[Reply] = []
         self._logs = InterpreterLogs(environment.files) if has_logs else None
         self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
+        workshop = workshop or CompilesHere(self._profile, model, options.ignored)
         self.programs: Programs = Programs(
             self._controller,
             self._host,
@@ -136,8 +137,9 @@ class InputHandlers:
             model,
             environment,
             is_strict=options.strict,
+            ignored=options.ignored,
             probe=probe,
-            workshop=(workshop or CompilesHere(self._profile, model)) if options.compiles_elsewhere else None,
+            workshop=workshop if options.compiles_elsewhere else None,
         )
         self.tasks: Tasks = Tasks(self._controller, self._host, self.programs, environment, options.configuration)
 

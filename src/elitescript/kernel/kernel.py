@@ -499,7 +499,8 @@ class Kernel:
         if not event.line or program is None or event.thread.startswith(SECONDARY_THREAD):
             return False
         source = program.source
-        if source is None or CHECK_MARK not in source.text:
+        # The whole text would take its length for each warning.
+        if source is None or CHECK_MARK not in source.line(event.line):
             return False
         # Imported late: few programs have such a comment.
         from elitescript.lint.suppression import hides

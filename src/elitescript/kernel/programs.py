@@ -55,6 +55,7 @@ class Programs:
         arm: for which programs are checked.
         environment: everything outside them.
         is_strict: refuse what a Python 3 controller refuses, and what `check` calls an error.
+        ignored: codes of findings that are left out.
         probe: counts their statements.
         workshop: where long texts are compiled; here and at once if None.
 
@@ -71,6 +72,7 @@ class Programs:
         "_count_of_jobs",
         "_environment",
         "_host",
+        "_ignored",
         "_invalid_lines",
         "_is_strict",
         "_long_texts",
@@ -92,6 +94,7 @@ class Programs:
         environment: ProgramEnvironment,
         *,
         is_strict: bool,
+        ignored: frozenset[str],
         probe: Probe | None,
         workshop: Workshop | None = None,
     ) -> None:
@@ -108,6 +111,7 @@ class Programs:
         self._environment = environment
         self.reported: frozenset[tuple[str, int]] = frozenset()
         self._is_strict = is_strict
+        self._ignored = ignored
         self._probe = probe
         self._invalid_lines = BurstLimiter(
             self._warn, "line", "that are no script. Does that client speak another protocol?"
@@ -245,7 +249,7 @@ class Programs:
         presets = tuple(self.presets)
         job = Job(self._count_of_jobs, name, text, kind, self._is_strict, options.probes, options.first_probe, presets)
         if self._long_texts is None or len(text) < LONG_TEXT:
-            take(self._outcome(job, compiled_job(job, self._profile, self._arm)))
+            take(self._outcome(job, compiled_job(job, self._profile, self._arm, self._ignored)))
             return True
         if (excess := excess_at_once(text)) is not None:
             take(self._outcome(job, CheckResult(None, (excess,), job.is_strict)))

@@ -15,6 +15,8 @@ that such a body runs through, can shift the count by less than what was paid, n
 A function that calls nothing keeps its checkpoint. Its operators may run methods of the program, also of a class that
 comes with a later text, so that a recursion may lead through it; and the unit of work of a call has to be counted.
 
+A `while` loop in which the program waits stands behind a mark; see `waiting_loops`.
+
 Every `try` with handlers gets a first handler that lets a stop pass, so that `except:` cannot
 swallow it.
 """
@@ -24,7 +26,7 @@ from __future__ import annotations
 import ast
 from typing import Final
 
-from elitescript.language.hooks import CHECKPOINT, PAY, RANGE, STOP, TICK
+from elitescript.language.hooks import CHECKPOINT, LOOP, PAY, RANGE, STOP, TICK
 from elitescript.language.kinds import is_text
 from elitescript.language.nodes import Census
 from elitescript.language.probes import is_probe
@@ -57,7 +59,12 @@ def insert_checkpoints(census: Census) -> None:
     """
     if census.unknown:
         raise ValueError(f"unknown kind of node: {type(census.unknown[0]).__name__}")
-    prepaid = _prepaid(census)
+    replaced: dict[ast.AST, ast.AST] = {**_prepaid(census)}
+    if census.of(ast.While):
+        # Imported late: many programs have none.
+        from elitescript.language.waiting_loops import waiting_loops
+
+        replaced.update((loop, _marked(loop)) for loop in waiting_loops(census))
     for loop in census.of(ast.For):
         loop.body.insert(0, _statement(loop))
     for repetition in census.of(ast.While):
@@ -72,8 +79,8 @@ def insert_checkpoints(census: Census) -> None:
     for statement in census.of(ast.Try):
         if statement.handlers:
             statement.handlers.insert(0, _stop_handler(statement))
-    if prepaid:
-        census.replace(prepaid)
+    if replaced:
+        census.replace(replaced)
 
 
 def body_start(body: list[ast.stmt]) -> int:
@@ -110,6 +117,13 @@ def _statement(where: ast.stmt) -> ast.If:
     test = ast.copy_location(ast.UnaryOp(_NOT, tick), tick)
     body = ast.copy_location(ast.Expr(_call(CHECKPOINT, where)), tick)
     return ast.copy_location(ast.If(test, [body], []), tick)
+
+
+def _marked(loop: ast.While) -> ast.If:
+    """Return a loop behind its mark, `if @loop(line):`, which is always true."""
+    mark = _call(LOOP, loop)
+    mark.args.append(ast.copy_location(ast.Constant(loop.lineno), mark))
+    return ast.copy_location(ast.If(mark, [loop], []), mark)
 
 
 def _expression(where: ast.expr) -> ast.BoolOp:

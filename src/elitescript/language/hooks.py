@@ -21,6 +21,7 @@ AT: Final = "@at"
 STEPS: Final = "@steps"
 STEP: Final = "@step"
 HITS: Final = "@hits"
+LOOP: Final = "@loop"
 
 HOOKS: Final[dict[str, str]] = {
     TICK: "`() -> bool`: uses up one unit of work; False when there is none left, and then `@cp` is called",
@@ -33,6 +34,7 @@ HOOKS: Final[dict[str, str]] = {
     LINE: '`(number, label, after=None) -> None`: the program reached a `$ LINE: (number, "label")` mark',
     ATTRIBUTE: "`(object, name) -> value`: stands for `object.name`; `name` is one of `policy.GUARDED_ATTRIBUTES`",
     WATCHED: "what looks at the statements of the run: empty unless a debugger is attached",
+    LOOP: "`(line) -> True`: the thread comes to a loop in which it may wait",
     AT: "`(number) -> None`: a statement of the program comes next; called only while `@watched` is not empty",
 }
 """Names that the builtins of a run must hold besides what scripts may call.

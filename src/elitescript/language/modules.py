@@ -47,6 +47,16 @@ COPIED_NAMES: Final[dict[str, str]] = {
     "threading": "Barrier BoundedSemaphore BrokenBarrierError Condition Event Lock RLock Semaphore TIMEOUT_MAX Thread"
     " ThreadError Timer active_count activeCount current_thread currentThread enumerate get_ident get_native_id local"
     " main_thread",
+    "typing": "AbstractSet Annotated Any AnyStr AsyncIterable AsyncIterator Awaitable BinaryIO ByteString Callable"
+    " ChainMap ClassVar Collection Concatenate Container ContextManager Coroutine Counter DefaultDict Deque"
+    " Dict Final FrozenSet Generator Generic Hashable IO ItemsView Iterable Iterator KeysView List Literal"
+    " LiteralString Mapping MappingView Match MutableMapping MutableSequence MutableSet NamedTuple Never"
+    " NewType NoReturn NotRequired Optional OrderedDict ParamSpec ParamSpecArgs ParamSpecKwargs Pattern"
+    " Protocol Required Reversible Self Sequence Set Sized SupportsAbs SupportsBytes SupportsComplex"
+    " SupportsFloat SupportsIndex SupportsInt SupportsRound TYPE_CHECKING Text TextIO Tuple Type TypeAlias"
+    " TypeGuard TypeVar TypeVarTuple TypedDict Union Unpack ValuesView assert_never assert_type cast"
+    " dataclass_transform final get_args get_origin is_typeddict no_type_check overload override"
+    " runtime_checkable",
 }
 """Names of a private copy; those that this Python does not have are left out."""
 
@@ -70,11 +80,6 @@ OWN_NAMES: Final[dict[str, str]] = {
     "sys": "byteorder exit float_info maxsize platform stderr stdout version version_info",
     "time": "altzone asctime ctime daylight gmtime localtime mktime monotonic monotonic_ns perf_counter perf_counter_ns"
     " process_time process_time_ns sleep strftime strptime struct_time thread_time time time_ns timezone tzname",
-    "typing": "AbstractSet Annotated Any AnyStr Callable ClassVar Collection Concatenate Counter DefaultDict Deque Dict"
-    " Final FrozenSet Generator Generic Hashable IO Iterable Iterator List Literal LiteralString Mapping Match"
-    " MutableMapping MutableSequence MutableSet NamedTuple Never NewType NoReturn NotRequired Optional OrderedDict"
-    " ParamSpec Pattern Protocol Required Self Sequence Set Sized TYPE_CHECKING Text Tuple Type TypeAlias TypeVar"
-    " TypedDict Union cast final no_type_check overload runtime_checkable",
 }
 """Names of small modules of the runtime, in virtual time and over virtual processes, for tools; a test holds them
 against the modules. What this Python does not have is missing."""

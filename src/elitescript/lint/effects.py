@@ -3,33 +3,11 @@
 from __future__ import annotations
 
 import ast
-from typing import Final
 
-from elitescript.commands.definition.registry import Command
 from elitescript.language.builtin_names import PURE_BUILTINS
 from elitescript.language.nodes import children
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
-
-_PURE_FAMILIES: Final = frozenset(("kinematics", "lists", "maths", "poses", "strings"))
-_READING: Final = ("get_", "is_", "read_")
-_ALSO_READING: Final = frozenset(
-    """
-    cal_rpy_frame controller_timestamp encoder_get_tick_count encoder_unwind_delta_tick_count force modbus_get_error
-    modbus_get_signal_status modbus_get_time_since_signal_invalid path_offset_get serial_is_open serial_mode
-    socket_is_connected tool_serial_is_open tool_serial_mode
-    """.split()  # noqa: SIM905
-)
-_CHANGING: Final = frozenset(("random", "get_micro_line_values_by_index"))
-"""`random` gives another value each time; the other one belongs to a file that is loaded."""
-
-
-def only_gives_a_value(command: Command) -> bool:
-    """Return whether a command changes nothing, so that a call of it is made for its result alone."""
-    if command.waits or command.name in _CHANGING:
-        return False
-    module = command.function.__module__.rpartition(".")[2]
-    return module in _PURE_FAMILIES or command.name in _ALSO_READING or command.name.startswith(_READING)
 
 
 def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
@@ -44,7 +22,7 @@ def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
     scope = program.symbols.scope_of(function)
     command = program.command(function.id, scope)
     if command is not None:
-        return only_gives_a_value(command)
+        return command.only_gives_a_value
     return function.id in PURE_BUILTINS and scope.resolve(function.id) is Resolution.BUILTIN
 
 

@@ -512,9 +512,10 @@ _TEXTS: Final[dict[str, str]] = {
             servoj(q, t=0.008)                 # W280: returns after 8 ms, 0.79 rad before q, and the program ends
         """,
     "W281": """
-        `socket_get_var` sends `GET POS` and takes the next line for the answer. When that line has another form, or
-        none came within 2 s, the value is 0. A line that had come before the question was sent belongs to something
-        else, such as an `ack` to `socket_set_var`; from then on each answer is that to the question before.
+        `socket_get_var` sends `GET POS` and waits 2 s for a line such as `POS 10`; without one the value is 0. Lines of
+        another form, such as an `ack` to `socket_set_var`, are passed over here; the manual does not say so, and a
+        controller may take one for the answer. An answer that had come before the question was sent belongs to an
+        earlier question, and from then on so does each.
 
             socket_set_var("GTO", 1, "g")      # the device answers "ack"
             pos = socket_get_var("POS", "g")   # W281: read "ack" first, socket_read_string("g", suffix="\\n")

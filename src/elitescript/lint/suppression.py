@@ -30,7 +30,7 @@ def without_suppressed(
 
 def hides(source: SourceFile, line: int, code: str) -> bool:
     """Return whether a comment in a line hides what a run finds there; without a code only one that hides all."""
-    if _MARK not in source.text:
+    if _MARK not in source.line(line):
         return False
     codes = _kept_suppressions(source).get(line)
     return codes is not None and (not codes or code in codes)

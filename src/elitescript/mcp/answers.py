@@ -124,6 +124,8 @@ class DebugThread(TypedDict):
     line: int
     waits_for: str
     """Empty while it does not wait."""
+    because: str
+    """Why it does not go on, such as the condition of its loop; empty if that is not known."""
 
 
 class DebugFrame(TypedDict):

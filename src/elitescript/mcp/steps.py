@@ -134,7 +134,14 @@ class Steps:
             "thread": thread,
             "result": stop.result,
             "threads": [
-                {"id": item.id, "name": item.name, "line": item.line, "waits_for": item.waits_for} for item in threads
+                {
+                    "id": item.id,
+                    "name": item.name,
+                    "line": item.line,
+                    "waits_for": item.waits_for,
+                    "because": item.because,
+                }
+                for item in threads
             ],
             "stack": [_frame(frame) for frame in frames],
             "variables": {scope.name: self._values(scope) for scope in scopes},

@@ -45,7 +45,7 @@ class MotionLeft:
 
 @record
 class OddAnswer:
-    """A question of `socket_get_var` got an answer that is not to it, or none."""
+    """A question of `socket_get_var` got an answer that may not be to it, a line of another form, or none."""
 
     tick: int
     channel: str
@@ -56,10 +56,10 @@ class OddAnswer:
     """As it was sent, without its line end."""
     earlier: str
     """What had arrived before the question was sent and was not read."""
-    answer: str | None
-    """The line that was taken for the answer and has another form; None if the form is right or no line came."""
+    odd: str | None
+    """The first line of another form, which was passed over; None if there was none."""
     is_late: bool
-    """Whether no whole line came in time."""
+    """Whether no line of the form came in time."""
 
 
 @record

@@ -55,7 +55,7 @@ def moment_of_run(run: Run) -> Moment:
         tcp_pose=pose,
         globals=variables_of(run.globals),
         signals=dict(run.signals),
-        threads=tuple(Thread(state.name, state.line, state.waits_for, "") for state in run.threads),
+        threads=tuple(Thread(state.name, state.line, state.waits_for, "", state.because) for state in run.threads),
     )
 
 

@@ -94,10 +94,7 @@ def _about(watched: WatchedRun) -> str:
     waiting = () if run is None else run.threads
     if waiting:
         out.append("threads:")
-        out += [
-            f"  {shown_word(row.name)}: line {row.line}, waits for {continued(row.waits_for or 'its turn')}"
-            for row in waiting
-        ]
+        out += [f"  {shown_word(row.name)}: line {row.line}, {continued(row.doing)}" for row in waiting]
     return "\n".join(out)
 
 

@@ -144,10 +144,7 @@ class ScriptFailure(Exception):
     def _ending(self) -> list[str]:
         run = self.run
         if run.state == "time_limit":
-            where = [
-                f"{shown_word(row.name)}: line {row.line}, waits for {continued(row.waits_for or 'its turn')}"
-                for row in run.threads
-            ]
+            where = [f"{shown_word(row.name)}: line {row.line}, {continued(row.doing)}" for row in run.threads]
             others = f"another limit: `# {HEADER} {UNTIL}=SECONDS`, or {ini_name(LIMIT)} in the ini file"
             return [f"still running after {run.time_s:g} s of robot time; {others}", *where]
         if run.state == "finished":

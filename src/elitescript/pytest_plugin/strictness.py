@@ -42,9 +42,9 @@ def warnings_of(watched: Iterable[WatchedRun]) -> list[str]:
     found: dict[str, None] = {}
     for watch in watched:
         unit = watch.unit
-        options = Options(strict=watch.is_strict, kind=unit.kind)
+        options = Options(strict=watch.is_strict, kind=unit.kind, ignored=watch.ignored)
         checked = compile_checked(unit.source, watch.profile, options, presets=watch.presets, arm=watch.model)
-        problems = [*checked.problems, *unit.diagnostics]
+        problems = list(checked.problems)
         if RETURNED in unit.global_names:
             # Nothing in a file of tests calls them.
             problems = [problem for problem in problems if problem.code != NOTHING_RUNS]

@@ -34,6 +34,7 @@ class WatchedRun:
         check_text: returns what `check` finds in the program.
         model: the arm.
         profile: the firmware.
+        ignored: codes of findings that the robot leaves out.
         is_strict: whether the robot refuses what only warns otherwise.
         presets: names of program globals that had a value before.
         rows: of its page; None if none is written.
@@ -42,6 +43,7 @@ class WatchedRun:
     __slots__ = (
         "alarms",
         "check_text",
+        "ignored",
         "is_strict",
         "model",
         "presets",
@@ -65,6 +67,7 @@ class WatchedRun:
         self.model: RobotModel = robot.model
         self.profile: Profile = robot.profile
         self.is_strict = robot.options.strict
+        self.ignored = robot.options.ignored
         self.presets = tuple(presets)
         self.rows = rows
 

@@ -6,6 +6,7 @@ The place is the innermost line of script text in the traceback; frames of the r
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from math import isnan
 from types import CodeType, FrameType, TracebackType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -72,6 +73,7 @@ def alarm_of(
     sources: Mapping[str, SourceFile],
     catalogue: Catalogue,
     profile: Profile,
+    missing: str | None = None,
 ) -> Alarm:
     """Return the alarm for an uncaught exception.
 
@@ -85,6 +87,7 @@ def alarm_of(
         sources: texts of the program, by name.
         catalogue: the commands; an unknown name may be one of a newer firmware.
         profile: the firmware.
+        missing: where a value that is nan comes from, if a reading has given one.
     """
     place = place_of(error.__traceback__, builtins, sources)
     if place.line == 0 and started_line:
@@ -96,9 +99,11 @@ def alarm_of(
         # A program can extend the class and set what it likes.
         code = error.code if type(error.code) is str and error.code in CODES else UNCAUGHT
         details = details_of(error)
+        if missing is not None and type(error.value) is float and isnan(error.value):
+            details["hint"] = missing
         command = catalogue.get(error.command) if type(error.command) is str else None
         if command is not None and code in _MISCALLED and "hint" not in details:
-            details["hint"] = _missing_numbers(error, place) or command.hint_about(getattr(error, "value", None))
+            details["hint"] = command.hint_about(error.value)
     elif type(error) is NameError and type(error.name) is str and text.endswith("is not defined"):
         code, class_name, text, details = _unknown_name(error.name, text, place, known, catalogue, profile)
     elif isinstance(error, MemoryError) and not text:
@@ -109,39 +114,6 @@ def alarm_of(
         text = said("{text} ({place})", text=text, place=place.inner)
     line = line_kept(place.source_line, place.column)
     return Alarm(clock(), code, class_name, text, place.line, place.column, thread, line, details)
-
-
-def _missing_numbers(error: ScriptError, place: Place) -> str:
-    """Return the hint about nan that stands for a number which a reading did not get; empty for any other mistake."""
-    value = getattr(error, "value", None)
-    if type(value) is not float or value == value or place.frame is None:
-        return ""
-    for name, held in {**place.frame.f_globals, **place.frame.f_locals}.items():
-        # How many arrived, then the numbers.
-        if type(held) is not list or len(held) < 2 or type(held[0]) is not int:
-            continue
-        if not any(type(item) is float and item != item for item in held):
-            continue
-        count = len(held) - 1
-        reading = ""
-        if place.source is not None:
-            lines = place.source.text.splitlines()[: place.line]
-            written = [n for n, line in enumerate(lines, 1) if _is_reading(line, name)]
-            reading = said(", the reading of line {line}", line=written[-1]) if written else ""
-        return said(
-            "nan comes from `{name}`{reading}: {got} of {count} numbers had arrived; ask {name}[0] == {count} before",
-            name=name,
-            reading=reading,
-            got=held[0],
-            count=count,
-        )
-    return "nan stands for a number that a reading did not get: ask its first element, how many arrived"
-
-
-def _is_reading(line: str, name: str) -> bool:
-    """Return whether a line gives a reading to a variable."""
-    target, sign, value = line.partition("=")
-    return target.strip() == name and bool(sign) and "socket_read_" in value
 
 
 def memory_text() -> str:

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from elitescript.runtime.connections.connection import Receiver
     from elitescript.runtime.probe import Probe
     from elitescript.runtime.threads.meter import Meter
+    from elitescript.runtime.why.facts import Facts
+    from elitescript.runtime.why.reasons import Reasons
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -80,6 +82,7 @@ class ScriptHost:
     """
 
     __slots__ = (
+        "_cleanup",
         "_confirms_popups",
         "_ending",
         "_has_warned",
@@ -142,6 +145,8 @@ class ScriptHost:
         self._has_warned = False
         """Whether the program was warned of a call that has held up the robot."""
         self._program: Program | None = None
+        self._cleanup: frozenset[int] | None = None
+        """Lines of its `except` and `finally` blocks; None if that was not asked."""
         self._unit: CompiledUnit | None = None
         """Of the program that runs, or ran last."""
         self._main: Strand | None = None
@@ -176,7 +181,7 @@ class ScriptHost:
             raise ScriptStateError("a program is running; stop it first")
         if world is not None:
             self._world = world
-        self._unit = unit
+        self._unit, self._cleanup = unit, None
         self._program = program = self._new_program(presets or {})
         self.result, self.alarm, self._ending = "", None, ""
         if (meter := self._scheduler.meter) is not None:
@@ -323,10 +328,14 @@ class ScriptHost:
 
     def is_cleanup(self, line: int) -> bool:
         """See `controller.tasks.ProgramPort.is_cleanup`."""
-        # Imported late: few runs ask for it.
-        from elitescript.language.cleanup import cleanup_lines
+        if self._unit is None:
+            return False
+        if self._cleanup is None:
+            # Imported late: few runs ask for it.
+            from elitescript.language.cleanup import cleanup_lines
 
-        return self._unit is not None and line in cleanup_lines(self._unit.source)
+            self._cleanup = cleanup_lines(self._unit.source)
+        return line in self._cleanup
 
     def monitor(self) -> dict[str, Any]:
         """Return the globals of the program that runs or ran last, in the order of first assignment."""
@@ -336,18 +345,28 @@ class ScriptHost:
         """Return the states of the script threads, the main one first."""
         return tuple(map(state_of, self._scheduler.strands))
 
-    def explained_threads(self) -> tuple[ThreadState, ...]:
-        """Return what `threads` returns, with the reason why each does not go on; for the end of a run."""
-        # Imported late: most programs go on.
-        from elitescript.runtime.why import reason_of
+    def explained_threads(self, facts: Facts | None = None, start_tick: int = 0) -> tuple[ThreadState, ...]:
+        """Return what `threads` returns, with the reason why each does not go on.
 
-        if self._unit is None:
+        Args:
+            facts: what is known beside the threads; None for nothing.
+            start_tick: tick from which the times in it are counted.
+        """
+        reasons = self.reasons(facts, start_tick)
+        if reasons is None:
             return self.threads()
-        source, connections = self._unit.source, list(self.connections.values())
-        return tuple(
-            state_of(strand)._replace(because=reason_of(strand, source, self._machine.read, connections))
-            for strand in self._scheduler.strands
-        )
+        return tuple(state_of(strand)._replace(because=reasons.of(strand)) for strand in self._scheduler.strands)
+
+    def reasons(self, facts: Facts | None = None, start_tick: int = 0) -> Reasons | None:
+        """Return what says why threads do not go on, for as long as time stands; None before the first program."""
+        if self._unit is None:
+            return None
+        # Imported late: most programs go on.
+        from elitescript.runtime.why.facts import Facts
+        from elitescript.runtime.why.reasons import Reasons
+
+        strands, connections = self._scheduler.strands, self.connections.values()
+        return Reasons(self._unit, self._program, strands, connections, facts or Facts(), start_tick)
 
     # ---------------------------------------------------------------- time
 

@@ -178,6 +178,7 @@ class Program:
             sources=self._sources,
             catalogue=CATALOGUE,
             profile=self._profile,
+            missing=self.context.missing,
         )
 
     @property

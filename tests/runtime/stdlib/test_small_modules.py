@@ -115,7 +115,7 @@ textmsg(f(4), Metres(2.0), Optional[int] | None)
 Point = NamedTuple("Point", [("x", int), ("y", int)])
 textmsg(Point(1, 2).y, Point(1, 2))
 """
-        assert logged(body) == ["72.0typing.Optional", "2Point(x=1, y=2)"]
+        assert logged(body) == ["72.0typing.Optional[int]", "2Point(x=1, y=2)"]
 
     def test_a_class_of_named_tuples(self):
         body = """

@@ -157,7 +157,7 @@ export interface RunEvent { readonly type: string; readonly t: number; readonly 
 
 export interface Move { readonly start_s: number; readonly end_s: number; readonly kind: string; readonly line: number }
 
-export interface ThreadState { readonly name: string; readonly line: number; readonly waits_for: string; readonly function: string }
+export interface ThreadState { readonly name: string; readonly line: number; readonly waits_for: string; readonly function: string; readonly because?: string }
 
 export interface VariableState { readonly name: string; readonly value: string; readonly type: string; readonly changed: boolean }
 

@@ -286,7 +286,8 @@ def _why_it_runs(errors: int) -> str:
 
 def _where(robot: VirtualRobot, wall_s: float) -> str:
     threads = "; ".join(
-        f"{shown_word(thread.name)} in line {thread.line}, {shown(thread.doing)}" for thread in robot.threads()
+        f"{shown_word(thread.name)} in line {thread.line}, {shown(thread.doing)}"
+        for thread in robot.explained_threads()
     )
     hint = "(Ctrl-C ends it, --until limits it)"
     return f"{robot.time_s:10.3f} s  still running after {wall_s:.0f} s of yours: {threads} {hint}"

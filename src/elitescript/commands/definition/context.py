@@ -219,8 +219,8 @@ class SerialLineAccess(Protocol):
             ScriptPermissionError: the port belongs to a daemon; so for all that follow.
         """
 
-    def write(self, device: str, data: bytes) -> int | None:
-        """Send bytes; return how many were sent, None if the port is not open in plain mode."""
+    def write(self, device: str, data: bytes, *, is_text: bool = False) -> int | None:
+        """Send bytes, of a text if `is_text`; return how many were sent, None if the port is not open in plain mode."""
 
     def flush(self, device: str) -> None:
         """Drop received bytes that are not read."""
@@ -422,6 +422,15 @@ class Robot(Protocol):
         Args:
             meaning: of the parameter.
             value: of the argument.
+        """
+
+    def note_missing(self, command: str, came: int, number: int) -> None:
+        """Keep that the values which a reading gives are not all there: nan stands for the others.
+
+        Args:
+            command: that has read.
+            came: how many have come.
+            number: how many were asked for.
         """
 
     def remember(self, kind: str, value: Six) -> None:

@@ -11,7 +11,7 @@ Coercion: bool and int stand for each other; an int stands for a float; a float 
 from __future__ import annotations
 
 from math import isfinite
-from types import FunctionType
+from types import BuiltinFunctionType, FunctionType, MethodType
 from typing import Annotated, Any, Final
 
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError, ScriptError
@@ -22,13 +22,38 @@ _LONGEST_SHOWN: Final = 80
 """Characters of a wrong value that a message repeats."""
 
 
+_FUNCTIONS: Final = (FunctionType, BuiltinFunctionType, MethodType)
+_MODULE: Final = "<module '"
+_SIX: Final = 6
+"""Elements of a pose and of joint positions."""
+JOINED: Final = (
+    "`+` and `*` join and repeat lists: add poses with pose_add or pose_trans, joint positions element by element"
+)
+"""Hint for a list with several times the elements that are wanted."""
+
+
 def shown(value: Any) -> str:
     """Return a value as a message repeats it: short, and never raising."""
+    if type(value) in _FUNCTIONS:
+        return f"function {value.__name__}"
     try:
         text = repr(value)
     except Exception:
         text = f"<{type(value).__name__}>"
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
+
+
+def _described(value: Any) -> str:
+    """Return type and value for a message; of functions and modules their name."""
+    kind = type(value)
+    if value is None:
+        return "None"
+    if kind in _FUNCTIONS:
+        return f"function {value.__name__}"
+    text = shown(value)
+    if text.startswith(_MODULE):
+        return f"module {text.removeprefix(_MODULE).partition(chr(39))[0]}"
+    return f"{kind.__name__} {text}"
 
 
 class Quantity:
@@ -63,9 +88,7 @@ class Quantity:
     def wrong_type(self, value: Any, wanted: str = "") -> ScriptError:
         """Return the error for a value of another type."""
         wanted = wanted or self.type_name
-        given = "None" if value is None else f"{type(value).__name__} {shown(value)}"
-        if isinstance(value, FunctionType):
-            given = f"function {value.__name__}"
+        given = _described(value)
         return ArgumentTypeError(f"must be {wanted}, not {given}", value=value, limit=wanted, unit=self.unit)
 
     def out_of_range(self, value: Any, limit: str = "") -> ScriptError:
@@ -265,6 +288,7 @@ class Vector(Quantity):
                 value=value,
                 limit=f"{self.count} elements",
                 unit=self.unit,
+                hint=JOINED if self.count == _SIX and len(value) > _SIX and len(value) % _SIX == 0 else None,
             )
         items = tuple(value)
         if self._takes_any_finite and _FLOAT.issuperset(map(type, items)) and all(map(isfinite, items)):

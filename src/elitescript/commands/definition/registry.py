@@ -46,10 +46,20 @@ FORMS_MAX: Final = 64
 _VARIADIC: Final = 0x04
 """Flag of a code object whose function takes `*more` (`inspect.CO_VARARGS`, without importing it)."""
 
+_PURE_FAMILIES: Final = frozenset(("kinematics", "lists", "maths", "poses", "strings"))
+_READING: Final = ("get_", "is_", "read_")
+_ALSO_READING: Final = frozenset(
+    """
+    cal_rpy_frame controller_timestamp encoder_get_tick_count encoder_unwind_delta_tick_count force modbus_get_error
+    modbus_get_signal_status modbus_get_time_since_signal_invalid path_offset_get serial_is_open serial_mode
+    socket_is_connected tool_serial_is_open tool_serial_mode
+    """.split()  # noqa: SIM905
+)
+_CHANGING: Final = frozenset(("random", "get_micro_line_values_by_index"))
+"""`random` gives another value each time; the other one belongs to a file that is loaded."""
+
 
 _HANDLED: Final = ("stop_thread", "join_thread")
-_JOINED: Final = (12, 18, 24)
-"""Numbers of two, three and four lists of six."""
 
 
 class Param:
@@ -209,6 +219,14 @@ class Command:
         return f"{self.name}({', '.join(parts)})"
 
     @property
+    def only_gives_a_value(self) -> bool:
+        """Whether it changes nothing, so that a call of it is made for its result alone."""
+        if self.waits or self.name in _CHANGING:
+            return False
+        module = self.function.__module__.rpartition(".")[2]
+        return module in _PURE_FAMILIES or self.name in _ALSO_READING or self.name.startswith(_READING)
+
+    @property
     def call_hint(self) -> str:
         """What to do about a wrong call."""
         return f"it is called as {self.signature}"
@@ -222,18 +240,7 @@ class Command:
                 name=self.name,
                 function=name if name.isidentifier() else "f",
             )
-        if isinstance(value, (list, tuple)) and len(value) in _JOINED and self.takes_six:
-            return said(
-                "{count} numbers are lists that were joined: `+` puts one behind the other, `*` repeats one; "
-                "pose_add and pose_trans add an offset",
-                count=len(value),
-            )
         return self.call_hint
-
-    @property
-    def takes_six(self) -> bool:
-        """Whether a parameter is a list of six numbers."""
-        return any(getattr(param.quantity, "count", None) == 6 for param in self.params)
 
     def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Put arguments in order, fill in defaults, coerce and check.

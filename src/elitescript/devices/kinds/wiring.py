@@ -70,6 +70,13 @@ class Wire(Device):
     def driven_inputs(self) -> list[str]:
         return [self.then]
 
+    def sets(self, name: str) -> str:
+        if name != self.then:
+            return ""
+        state = "true" if bool(self._level()) is not self.inverted else "false"
+        when = f"not ({self.when})" if self.inverted else self.when
+        return f"{self.title} sets it when `{when}`, which is {state} now"
+
     @property
     def held_signal(self) -> str:
         return self.then if self.edge == "both" and not self.pulse_s else ""
@@ -172,6 +179,16 @@ class Schedule(Device):
     @property
     def title(self) -> str:
         return self.name or f"schedule of {self.signal}"
+
+    def sets(self, name: str) -> str:
+        if name != self.signal:
+            return ""
+        now_s = self._in_world().agenda.time_s
+        times = [time_s for time_s, _ in self.at]
+        if self.every_s:
+            times = [time_s + (now_s // self.every_s + late) * self.every_s for time_s in times for late in (0, 1)]
+        due = min((time_s for time_s in times if time_s > now_s), default=None)
+        return f"{self.title} sets it " + ("no more" if due is None else f"next at {due:g} s")
 
     def check(self) -> None:
         _check_given("signal", self.signal)

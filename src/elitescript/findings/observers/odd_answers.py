@@ -1,4 +1,4 @@
-"""Finds questions of `socket_get_var` whose answer belongs to another question, has another form, or is missing."""
+"""Finds questions of `socket_get_var` whose answer came before them, behind a line of another form, or not at all."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from elitescript.said import said
 
 
 class OddAnswers(Observer):
-    """Tells of each channel once what came instead, and once that its answers are behind the questions."""
+    """Tells of each channel once what came instead, what was passed over, and that answers are behind the questions."""
 
     __slots__ = ("_told",)
 
@@ -20,37 +20,45 @@ class OddAnswers(Observer):
 
     def see(self, seen: OddAnswer) -> Iterable[Finding]:
         """Tell what came."""
+        name, question = seen.question.removeprefix("GET "), seen.question
         place = said("on {kind} {channel!r}", kind=seen.kind, channel=seen.channel)
-        if seen.answer is None:
-            odd = said(
-                "the answer to {question!r} had come before it: {earlier!r}",
-                question=seen.question,
-                earlier=seen.earlier,
-            )
-        else:
-            odd = said(
-                "the answer to {question!r} was {answer!r}, not '{name} <int>': the value is 0",
-                question=seen.question,
-                answer=seen.answer,
-                name=seen.question.removeprefix("GET "),
-            )
-        if seen.earlier.strip():
-            what = "behind"
+        if seen.odd is not None and seen.is_late:
+            what = "form"
             text = said(
-                "{odd}; it belongs to what was sent before, and so does every later answer {place}",
-                odd=odd,
+                "the answer to {question!r} was {odd!r} {place}, not '{name} <int>': the value is 0",
+                question=question,
+                odd=seen.odd,
                 place=place,
+                name=name,
             )
-            hint = 'read every answer before the next question, those to socket_set_var too, with suffix="\\n"'
+            hint = "ask with socket_send_line and read with socket_read_string if the device answers in another form"
+        elif seen.odd is not None:
+            what = "passed"
+            text = said(
+                "{odd!r} came before the answer to {question!r} {place}, and is not '{name} <int>': it is passed over "
+                "here; a controller may take it for the answer, and give 0",
+                odd=seen.odd,
+                question=question,
+                place=place,
+                name=name,
+            )
+            hint = 'read what answers socket_set_var before the question: socket_read_string with suffix="\\n"'
         elif seen.is_late:
             what = "late"
             text = said(
-                "no answer to {question!r} came in time {place}: the value is 0", question=seen.question, place=place
+                "no answer to {question!r} came in time {place}: the value is 0", question=question, place=place
             )
             hint = "0 may be an answer too; one that comes later is taken for that to the next question"
         else:
-            what, text = "form", odd
-            hint = "ask with socket_send_line and read with socket_read_string if the device answers in another form"
+            what = "behind"
+            text = said(
+                "the answer to {question!r} had come before it: {earlier!r}; it belongs to an earlier question, and so "
+                "does every later answer {place}",
+                question=question,
+                earlier=seen.earlier,
+                place=place,
+            )
+            hint = 'read late answers away before the next question: socket_read_string with suffix="\\n"'
         if (seen.channel, what) not in self._told:
             self._told.add((seen.channel, what))
             yield found("W281", text, line=seen.line, thread=seen.thread, hint=hint)

@@ -51,6 +51,7 @@ class ScriptConnection:
         is_behind_numbers: whether the last read gave a list of numbers in parentheses.
         rule: of the last read of a socket; None before.
         late_data: what was there when the last read ended by its timeout; empty if it did not, or nothing was.
+        given: what the last read of a socket gave; None before.
         is_close_told: whether observers know that the program uses it though its peer has closed.
     """
 
@@ -64,6 +65,7 @@ class ScriptConnection:
         "_waiting",
         "channel",
         "error",
+        "given",
         "is_barred",
         "is_behind_numbers",
         "is_close_told",
@@ -86,6 +88,7 @@ class ScriptConnection:
         self.is_behind_numbers = False
         self.rule: Rule | None = None
         self.late_data = b""
+        self.given: Any = None
         self.is_close_told = False
         self.queued = 0
         """Bytes that the program has sent so far."""

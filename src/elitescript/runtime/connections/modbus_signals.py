@@ -5,7 +5,7 @@ Signals outlive the program that has added them: the next one uses them by name 
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 from elitescript.commands.definition.context import Machine
 from elitescript.errors import InvalidValueError, ScriptStateError
@@ -123,10 +123,7 @@ class ModbusSignals:
             self._read_early(signal)
         elif signal.early is not None:
             self._read_later(signal)
-        if signal.is_digital:
-            levels = tuple(map(bool, signal.values))
-            return levels if signal.count > 1 else levels[0]
-        return signal.values if signal.count > 1 else signal.values[0]
+        return _values_of(signal)
 
     def set(self, name: str, values: tuple[int, ...], *, is_digital: bool) -> None:
         """Set an output.
@@ -273,6 +270,18 @@ class ModbusSignals:
             )
         return signal
 
+    def for_look(self) -> Any:
+        """Return what programs read of them, for what looks at a program."""
+        return _Look(self)
+
+    def look(self, name: str) -> bool | int | tuple[bool, ...] | tuple[int, ...]:
+        """Return what `status` returns; no observer sees it."""
+        return _values_of(self._working(name))
+
+    def has_value(self, name: str) -> bool:
+        """Return whether the device has answered."""
+        return self.master.find(name).has_value
+
     # ---------------------------------------------------------------- requests and connections
 
     def request(self, address: str, port: int, slave: int, function: int, data: bytes, *, is_once: bool) -> None:
@@ -327,3 +336,21 @@ class ModbusSignals:
         """Drop every signal and close every connection."""
         self.master.close()
         self._wake()
+
+
+class _Look:
+    """What programs read of MODBUS signals; no observer sees it."""
+
+    __slots__ = ("errors", "invalid_s", "status")
+
+    def __init__(self, signals: ModbusSignals) -> None:
+        self.status = signals.look
+        self.errors = signals.errors
+        self.invalid_s = signals.invalid_s
+
+
+def _values_of(signal: ModbusSignal) -> bool | int | tuple[bool, ...] | tuple[int, ...]:
+    if signal.is_digital:
+        levels = tuple(map(bool, signal.values))
+        return levels if signal.count > 1 else levels[0]
+    return signal.values if signal.count > 1 else signal.values[0]

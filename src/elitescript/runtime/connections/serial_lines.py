@@ -224,7 +224,7 @@ class SerialLines:
                 return bytes(data)
             is_last = is_late = wire.wait_for_more(reason, deadline)
 
-    def write(self, device: str, data: bytes) -> int | None:
+    def write(self, device: str, data: bytes, *, is_text: bool = False) -> int | None:
         """Send bytes, waiting for room if the line is behind by `CHANNEL_WINDOW`.
 
         A secondary program and a stopped thread do not wait: their bytes are sent as soon as there is room.
@@ -245,10 +245,20 @@ class SerialLines:
             return 0
         data = bytes_without_addresses(data)
         wire.send(data)
+        if is_text and not data.isascii():
+            from elitescript.messages.observations import TextBeyondAscii
+
+            wire.log.observe(TextBeyondAscii, data[:DATA_MAX].decode("utf-8", "ignore"))
         end = wire.queued
         while waits and wire.sent < end and wire.is_open:
             wire.wait(f"room to send on {_called(device)}", None)
         return len(data) - max(0, end - wire.sent) if waits else len(data)
+
+    def tell_left(self) -> None:
+        """Let observers see what has come and was not read: the program is over. The data stays for the next one."""
+        for line in self._lines.values():
+            if line.mode == PLAIN and line.wire is not None and line.wire.received and not line.is_daemons:
+                line.wire.log.left(bytes(line.wire.received))
 
     def flush(self, device: str) -> None:
         """Drop received bytes that are not read; bytes to be sent stay (*assumed*).

@@ -204,7 +204,7 @@ class Sockets:
                 looked = self._looking_at_encoding(name, connection, looked)
             connection.rule = rule
             late_data, connection.late_data = connection.late_data, b""
-            value = connection.read(looked, reason, timeout_s)
+            value = connection.given = connection.read(looked, reason, timeout_s)
             if late_data or connection.late_data:
                 self._tell_late(connection, rule, value, timeout_s)
             if value is not None:
@@ -227,13 +227,11 @@ class Sockets:
         """
         connection = self._by_name.get(name)
         earlier = bytes(connection.received) if connection is not None else b""
-        # A line end that numbers have left has a warning of its own.
-        is_left = connection is not None and connection.is_behind_numbers and not earlier.strip()
         if not self.send(name, question):
             return 0
         value = int(self.read(name, rule, timeout_s))
         if connection is not None and (
-            earlier.strip() or (rule.odd is not None and not is_left) or (rule.is_late and not connection.late_data)
+            earlier.strip() or rule.odd is not None or (rule.is_late and not connection.late_data)
         ):
             from elitescript.messages.observations import OddAnswer
 
@@ -269,7 +267,7 @@ class Sockets:
 
     def _looking_for_line_end(self, name: str, connection: ScriptConnection, rule: Texts) -> Rule:
         """Return the rule; if it reads text after numbers, one that warns of a line end left by these."""
-        if not connection.is_behind_numbers or rule.prefix:
+        if not connection.is_behind_numbers or rule.prefix or isinstance(rule, Variable):
             return rule
 
         def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:

@@ -140,6 +140,11 @@ class ChannelLog:
         strand = traffic.caller
         self._line, self._thread = (0, "") if strand is None else (strand.line, strand.name)
 
+    @property
+    def place(self) -> tuple[str, str]:
+        """Its kind and the name of the channel."""
+        return self._kind, self._channel
+
     def note(self, what: str, data: str = "") -> None:
         """Record an event that the running thread has caused."""
         self._traffic.note_of_caller(self._kind, self._channel, what, data)

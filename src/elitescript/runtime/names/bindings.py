@@ -20,7 +20,7 @@ from elitescript.commands.definition.registry import Command
 from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text
 from elitescript.errors import FirmwareError, ScriptError, ScriptPermissionError, ScriptStateError
 from elitescript.language.builtin_names import REFUSED_BUILTINS, WITHHELD_ERRORS
-from elitescript.language.hooks import AT, ATTRIBUTE, CHECKPOINT, LINE, PAY, RANGE, STOP, TICK, WATCHED
+from elitescript.language.hooks import AT, ATTRIBUTE, CHECKPOINT, LINE, LOOP, PAY, RANGE, STOP, TICK, WATCHED
 from elitescript.messages.profile import Profile, release_of
 from elitescript.runtime.files import OpenFiles
 from elitescript.runtime.names.context import Context
@@ -113,6 +113,7 @@ class Bindings:
             TICK: scheduler.fuel.pop,
             CHECKPOINT: scheduler.checkpoint,
             PAY: scheduler.pay,
+            LOOP: scheduler.note_loop,
             RANGE: range,
             STOP: UNCATCHABLE,
             WATCHED: scheduler.watchers,

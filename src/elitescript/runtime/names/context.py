@@ -29,7 +29,8 @@ from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment, without_addresses
 from elitescript.runtime.files import content_of
 from elitescript.runtime.threads.scheduler import Scheduler
-from elitescript.runtime.threads.strand import Stopped, Strand
+from elitescript.runtime.threads.strand import TIME_TO_GO_BY, Stopped, Strand
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt
@@ -48,9 +49,6 @@ RESUME: Final = "somebody to resume the program"
 
 POPUP: Final = "somebody to confirm a popup"
 """Reason of the wait for a blocking popup."""
-
-TIME_TO_GO_BY: Final = "time to go by"
-"""Reason of the wait in `sleep` and similar commands."""
 
 ROOM_FOR_TEXT: Final = "its texts to leave"
 """Reason of the wait of a thread that says more than clients take."""
@@ -114,6 +112,10 @@ class Context:
         generator: draws random numbers, seeded.
         world: environment.
         port: the host.
+
+    Attributes:
+        is_look: whether it belongs to what only looks at the program.
+        missing: what the last reading with missing values says of them; None before.
     """
 
     __slots__ = (
@@ -127,8 +129,10 @@ class Context:
         "_sockets",
         "_warned",
         "_world",
+        "is_look",
         "machine",
         "micro_lines",
+        "missing",
         "profile",
         "scheduler",
         "task_path",
@@ -158,6 +162,8 @@ class Context:
         self._sockets: Sockets | None = None
         self._lines: SerialLines | None = None
         self.micro_lines: list[MicroLine] = []
+        self.is_look = False
+        self.missing: str | None = None
 
     def forget_copies(self) -> None:
         """Hold what it remembers apart from the context that it is a copy of."""
@@ -193,7 +199,8 @@ class Context:
     @property
     def modbus(self) -> ModbusSignals:
         """The MODBUS TCP signals of the controller."""
-        return self._port.background.modbus(self._world.channels)
+        found = self._port.background.modbus(self._world.channels)
+        return found.for_look() if self.is_look else found
 
     @property
     def sockets(self) -> Sockets:
@@ -234,6 +241,8 @@ class Context:
         """Close every connection; the program is over."""
         if self._sockets is not None:
             self._sockets.close_all()
+        if self._lines is not None:
+            self._lines.tell_left()
         if self._procedures is not None:
             self._procedures.close_all()
 
@@ -471,6 +480,17 @@ class Context:
         from elitescript.commands.definition.plausibility import mistaken
 
         return mistaken(meaning, kind)
+
+    def note_missing(self, command: str, came: int, number: int) -> None:
+        """See `commands.definition.context.Robot.note_missing`."""
+        self.missing = said(
+            "nan comes from {command} in line {line}, which has read {came} of {number} numbers: look at its first "
+            "element before you use the others",
+            command=command,
+            line=self.strand.line,
+            came=came,
+            number=number,
+        )
 
     def remember(self, kind: str, value: Six) -> None:
         """Remember the result of a command; only the newest results are kept."""

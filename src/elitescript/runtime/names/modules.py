@@ -232,6 +232,31 @@ def _own_user_string(names: dict[str, Any]) -> None:
         delattr(names["UserString"], method)
 
 
+class _ForwardRef:
+    """A type in text form. The one of Python could be evaluated, past the compiler."""
+
+    __slots__ = ("_text",)
+    __module__ = "typing"
+    __qualname__ = "ForwardRef"
+
+    def __init__(self, text: str, *details: Any, **options: Any) -> None:
+        self._text = text
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _ForwardRef) and self._text == other._text
+
+    def __hash__(self) -> int:
+        return hash(self._text)
+
+    def __repr__(self) -> str:
+        return f"ForwardRef({self._text!r})"
+
+
+def _without_evaluation(names: dict[str, Any]) -> None:
+    """Leave types in text form texts."""
+    names["NewType"].__init__.__globals__["ForwardRef"] = _ForwardRef
+
+
 _LONG: Final = SHARED | {"os", "random", "re", "subprocess", "time"}
 """Modules with functions whose calls may take long; those of copies stay as they are: some look at their caller."""
 
@@ -240,6 +265,7 @@ _FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {
     "collections": _own_user_string,
     "functools": _own_wraps,
     "json": _own_json_error,
+    "typing": _without_evaluation,
 }
 
 
@@ -251,7 +277,10 @@ _REPLACEMENTS: Final[dict[str, Any]] = {
     "_datetime": ABSENT,
     "_queue": ABSENT,
     "inspect": SimpleNamespace(
-        get_annotations=_annotations, signature=lambda function: "", unwrap=lambda function: function
+        get_annotations=_annotations,
+        getattr_static=lambda *args: real("inspect").getattr_static(*args),
+        signature=lambda function: "",
+        unwrap=lambda function: function,
     ),
     "os": SimpleNamespace(),
 }

@@ -15,7 +15,6 @@ from elitescript.runtime.stdlib.re_module import re_names
 from elitescript.runtime.stdlib.subprocess_module import ProcessTable, subprocess_names
 from elitescript.runtime.stdlib.sys_module import system_names
 from elitescript.runtime.stdlib.time_module import clock_names
-from elitescript.runtime.stdlib.typing_module import typing_names
 from elitescript.runtime.threads.scheduler import Scheduler
 
 
@@ -51,5 +50,4 @@ _MAKERS: Final[dict[str, Callable[[Owner], dict[str, Any]]]] = {
     "subprocess": lambda program: subprocess_names(program.processes, program.scheduler),
     "sys": lambda program: system_names(program.context.write, program.context.leave),
     "time": lambda program: clock_names(program.context, lambda: program.shelf.copy("_strptime")),
-    "typing": lambda program: typing_names(vars(program.shelf.facade("collections"))["namedtuple"]),
 }

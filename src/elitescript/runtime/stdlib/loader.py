@@ -44,7 +44,11 @@ class CopyLoader:
         names: dict[str, dict[str, Any]] | None = None,
     ) -> None:
         self._copies: dict[str, ModuleType] = {}
-        self._replacements = {"sys": _system({}), "warnings": SimpleNamespace(warn=_no_output), **replacements}
+        self._replacements = {
+            "sys": _system(_Modules({})),
+            "warnings": SimpleNamespace(warn=_no_output),
+            **replacements,
+        }
         own = {"__build_class__": build_class, "__import__": self._import, "print": _no_output}
         self._builtins = {**vars(builtins), **own}
         self._names = names or {}
@@ -86,15 +90,19 @@ class CopyLoader:
             if not name:
                 return SimpleNamespace(**{part: self.load(f"{package}.{part}") for part in fromlist or ()})
             name = f"{package}.{name}"
-        name = _SAME.get(name, name)
+        asked, name = name, _SAME.get(name, name)
         if name in COPIED:
             module = self.load(name)
+            if "." in asked and not fromlist:
+                package, _, part = name.partition(".")
+                setattr(self.load(package), part, module)
+                return self.load(package)
             if name in PACKAGES and fromlist:
                 parts = {part: f"{name}.{part}" for part in fromlist if f"{name}.{part}" in COPIED}
                 return SimpleNamespace(**vars(module), **{part: self.load(full) for part, full in parts.items()})
             return module
         if name == "sys" and space is not None and space["__name__"] == "dataclasses":
-            return _system({"dataclasses": self._copies["dataclasses"]})
+            return _system(_Modules(self._copies))
         if name in self._replacements:
             found = self._replacements[name]
             if found is ABSENT:
@@ -148,20 +156,38 @@ def _code_of(name: str) -> CodeType:
 
 
 class _Modules(dict[str, Any]):
-    """`sys.modules` for a copy: appears empty."""
+    """`sys.modules` for a copy: appears empty.
+
+    Args:
+        copies: copies whose names annotations in text form may have: those of `typing` and `dataclasses`.
+    """
+
+    __slots__ = ("_copies",)
+
+    def __init__(self, copies: dict[str, ModuleType]) -> None:
+        super().__init__()
+        self._copies = copies
 
     def __contains__(self, name: object) -> bool:
         return False
 
+    def __missing__(self, name: str) -> Any:
+        return self._copies[name]
+
     def get(self, name: str, default: Any = None) -> Any:
-        """Return an empty module, but `default` for `typing`, with which text annotations are compared."""
-        return default if name == "typing" else _EMPTY
+        """Return a module; for one of a program, what its annotations are compared with."""
+        if name in _ANNOTATING:
+            return self._copies.get(name, default)
+        modules = {name: self._copies[name] for name in _ANNOTATING if name in self._copies}
+        names = {key: vars(module)[key] for module in modules.values() for key in _ANNOTATIONS if key in vars(module)}
+        return SimpleNamespace(**modules, **names)
 
 
-_EMPTY: Final = SimpleNamespace()
+_ANNOTATING: Final = ("dataclasses", "typing")
+_ANNOTATIONS: Final = ("ClassVar", "InitVar", "KW_ONLY")
 
 
-def _system(modules: dict[str, Any]) -> SimpleNamespace:
+def _system(modules: _Modules) -> SimpleNamespace:
     """Return `sys` for a copy, reduced to the names that it uses."""
     return SimpleNamespace(
         _getframe=sys._getframe,
@@ -172,7 +198,7 @@ def _system(modules: dict[str, Any]) -> SimpleNamespace:
         hash_info=sys.hash_info,
         intern=sys.intern,
         maxsize=sys.maxsize,
-        modules=_Modules(modules),
+        modules=modules,
         platform="linux",
         setprofile=_no_output,
         settrace=_no_output,

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.messages.timing import WORK_PER_TICK
-from elitescript.runtime.threads.strand import ENDED, READY, WAITING, Stopped, Strand
+from elitescript.runtime.threads.strand import ENDED, READY, WAITING, LineTables, Stopped, Strand
 from elitescript.runtime.threads.timers import Timers
 
 if TYPE_CHECKING:
@@ -99,6 +99,7 @@ class Scheduler:
         "_ready",
         "_started",
         "_starts_max",
+        "_tables",
         "_unpaid",
         "_work_per_tick",
         "current",
@@ -135,6 +136,7 @@ class Scheduler:
         self.is_paused = False
         self.lag_ticks = 0
         self.meter = meter
+        self._tables = LineTables()
         self._work_per_tick = max(work_per_tick, WORK_PER_ACTIVATION + 1)
         self._portion = [True] * portion
         self._loaded = 0
@@ -162,7 +164,7 @@ class Scheduler:
         self, name: str, body: Callable[[], None], builtins: dict[str, Any], *, is_secondary: bool = False
     ) -> Strand:
         """Add a strand; it runs in this tick after those that are ready already, or in the next one."""
-        strand = Strand(self._started, name, body, builtins, is_secondary=is_secondary)
+        strand = Strand(self._started, name, body, builtins, is_secondary=is_secondary, tables=self._tables)
         self._started += 1
         self.strands.append(strand)
         (self._next.append if self._started > self._starts_max else self._enqueue)(strand)
@@ -433,6 +435,13 @@ class Scheduler:
         if len(fuel) < FLOOR + count:
             return False
         del fuel[-count:]
+        return True
+
+    def note_loop(self, line: int) -> bool:
+        """Keep that the running strand comes to a loop in which it may wait; return True."""
+        strand = self.current
+        if strand is not None:
+            strand.loops[line] = self.now
         return True
 
     def spend_refusal(self, *, moves: bool) -> None:

@@ -8,6 +8,7 @@ their own calls.
 from __future__ import annotations
 
 import sys
+from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from types import CodeType, FrameType
 from typing import Any, Final
@@ -34,8 +35,16 @@ REFUSALS_MAX: Final = 10_000
 SITES_MAX: Final = 1000
 """Most places of a thread whose lines are kept."""
 
+SHORT_TABLE: Final = 500
+"""Bytes of the line table of a code that Python searches at once: some hundred lines."""
+TABLES_MAX: Final = 64
+"""Most codes of which a table is kept."""
+
 _CONTEXTS_MAX: Final = 64
 """Most chained exceptions that are searched for a stop."""
+
+TIME_TO_GO_BY: Final = "time to go by"
+"""Reason of the wait in `sleep` and similar commands."""
 
 STOP: Final = GreenletExit
 """Base of `Stopped`; a forgotten strand gets it when it is collected."""
@@ -51,6 +60,43 @@ class Stopped(GreenletExit):  # type: ignore[misc]
     """Ends a script thread from where it stands; a `BaseException`, so that `except Exception` lets it pass."""
 
 
+class LineTables:
+    """Finds the lines of frames.
+
+    `frame.f_lineno` goes through the line table of a code from its begin, so each line of a straight program would
+    cost what all lines before it cost. Of a long code the table is read once.
+    """
+
+    __slots__ = ("_tables",)
+
+    def __init__(self) -> None:
+        self._tables: dict[int, tuple[CodeType, list[int], list[int]]] = {}
+        """By `id` of the code: the code, so that no other one can have that, first instructions, and their lines."""
+
+    def line_of(self, frame: FrameType) -> int:
+        """Return the line that a frame is in; 0 if it has none."""
+        code, instruction = frame.f_code, frame.f_lasti
+        if len(code.co_linetable) <= SHORT_TABLE or instruction < 0:
+            return frame.f_lineno or 0
+        table = self._tables.get(id(code))
+        if table is None:
+            if len(self._tables) >= TABLES_MAX:
+                self._tables.clear()
+            table = self._tables[id(code)] = code, *_table_of(code)
+        _, starts, lines = table
+        return lines[bisect_right(starts, instruction) - 1]
+
+
+def _table_of(code: CodeType) -> tuple[list[int], list[int]]:
+    """Return where the instructions of each line begin, and the lines; 0 for those of none."""
+    starts, lines = [0], [0]
+    for start, _, line in code.co_lines():
+        if line != lines[-1]:
+            starts.append(start)
+            lines.append(line or 0)
+    return starts, lines
+
+
 class Strand:
     """A script thread.
 
@@ -60,9 +106,11 @@ class Strand:
         body: runs in the thread; must not raise, except to reach the caller of `resume`.
         builtins: built-ins of its script code; a frame with others is not script code.
         is_secondary: whether it is a secondary program.
+        tables: tables of lines, which the strands of a scheduler share.
         until_tick: when a secondary program is ended; None of others.
 
     Attributes:
+        line_of: returns the line that a frame of any code is in; 0 if it has none.
         handle: positive number for scripts, unique for each strand.
         resume: runs it until it suspends itself or ends. Not called inside a strand of the same scheduler.
         suspend: returns to the caller of `resume` until it is resumed. Called inside the strand only.
@@ -75,6 +123,7 @@ class Strand:
         is_dying: whether it was stopped, and unwinds or will.
         is_abandoned: whether it could not be stopped and never runs again.
         cancel: cancels what it waits for when it is stopped (brakes a move).
+        loops: tick in which it has come to each loop in which it may wait, by line.
         started_line: line of the call that started it; 0 for a program.
         portion: checkpoints that it is paid out at a time where a meter looks in between.
         ran_tick: the last in which it came past a checkpoint, or a call where a meter looks.
@@ -98,6 +147,8 @@ class Strand:
         "is_abandoned",
         "is_dying",
         "is_secondary",
+        "line_of",
+        "loops",
         "name",
         "order",
         "owed",
@@ -126,7 +177,9 @@ class Strand:
         builtins: dict[str, Any],
         *,
         is_secondary: bool = False,
+        tables: LineTables | None = None,
     ) -> None:
+        self.line_of = (tables or LineTables()).line_of
         self.order = order
         self.handle = ((order + 1) * 2_654_435_761) & 0x7FFF_FFFF
         self.name = name
@@ -154,13 +207,13 @@ class Strand:
         self.owed: dict[object, int] = {}
         self.at_end: list[Callable[[], None]] = []
         self.activations = 0
+        self.loops: dict[int, int] = {}
         self.started_line = 0
         self.recursion_limit = 0
         self._line = 0
         self._line_activation = -1
         self._sites: dict[tuple[int, int], tuple[CodeType, int]] = {}
-        """Line of each place from which `line_behind` was called: by code, as its `id`, and instruction. Python finds
-        the line of a frame by a search from the begin of its code."""
+        """Line of each place from which `line_behind` was called: by code, as its `id`, and instruction."""
 
     def _begin(self) -> None:
         # A stack begins to count its depth where it is begun from, and that differs from process to process.
@@ -229,7 +282,7 @@ class Strand:
             return self.line_behind(1)
         if self._line_activation != self.activations:
             frame = self.script_frame()
-            self._line = frame.f_lineno or 0 if frame is not None else 0
+            self._line = self.line_of(frame) if frame is not None else 0
             self._line_activation = self.activations
         return self._line
 
@@ -248,7 +301,7 @@ class Strand:
         if site is not None and caller.f_builtins is self._builtins:
             return site[1]
         frame = self._script_frame(caller)
-        line = frame.f_lineno or 0 if frame is not None else 0
+        line = self.line_of(frame) if frame is not None else 0
         if frame is caller and not caller.f_code.co_filename.startswith(INNER_TEXTS):
             if len(self._sites) >= SITES_MAX:
                 self._sites.clear()
@@ -398,7 +451,11 @@ class ThreadState(NamedTuple):
     def doing(self) -> str:
         """State in words."""
         words = f"waiting for {self.waits_for}" if self.waits_for else "running"
-        return f"{words}: {self.because}" if self.because else words
+        if not self.because:
+            return words
+        # That time goes by says nothing of why.
+        is_time = not self.waits_for or self.waits_for.startswith(TIME_TO_GO_BY)
+        return self.because if is_time else f"{words}: {self.because}"
 
 
 def state_of(strand: Strand) -> ThreadState:

@@ -56,7 +56,7 @@ def serve(line: frames.BlockingLine) -> None:
 @without_collection
 def compile_text(line: frames.BlockingLine, options: RobotOptions, data: bytes) -> None:
     """Compile a text, and send what has come of it."""
-    result = compiled_job(read_job(data), profile(options.firmware), model_of(options))
+    result = compiled_job(read_job(data), profile(options.firmware), model_of(options), options.ignored)
     waiting = bytearray()
     for piece in packed(result):
         waiting += piece

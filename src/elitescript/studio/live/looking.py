@@ -140,7 +140,9 @@ def moment_of(picture: Picture, session: DebugSession) -> Moment:
         tcp_pose=picture.tcp_pose,
         globals=tuple(Variable(item.name, item.value, item.type) for item in picture.globals),
         signals=dict(picture.signals),
-        threads=tuple(Thread(thread.name, thread.line, thread.waits_for, name) for thread, name in threads),
+        threads=tuple(
+            Thread(thread.name, thread.line, thread.waits_for, name, thread.because) for thread, name in threads
+        ),
         position=position_text(stop.position),
     )
 

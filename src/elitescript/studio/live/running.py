@@ -80,9 +80,8 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
         # The begin of a text: nothing is wrong with it, and nothing runs.
         link.send(describe.problems(version, (), compiles=True, start=moment_now(robot)))
         return
-    checked = compile_checked(
-        source, robot.profile, Options(strict=robot.options.strict), presets=job.presets, arm=robot.model
-    )
+    options = Options(strict=robot.options.strict, ignored=robot.options.ignored)
+    checked = compile_checked(source, robot.profile, options, presets=job.presets, arm=robot.model)
     link.send(describe.problems(version, checked.problems, compiles=not checked.is_refused))
     if checked.unit is None or checked.is_refused:
         return

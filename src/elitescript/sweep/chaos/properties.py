@@ -18,7 +18,7 @@ from elitescript.messages.timing import seconds, ticks_for
 from elitescript.motion.limits import JOINT_NAMES
 from elitescript.properties.verdicts import NOTHING, Moment, Needs, Verdict, Watch
 from elitescript.records import NamedTuple
-from elitescript.runtime.names.context import TIME_TO_GO_BY
+from elitescript.runtime.threads.strand import TIME_TO_GO_BY
 from elitescript.sweep.chaos.drawing import is_over
 from elitescript.sweep.chaos.ground import End, end_of
 from elitescript.sweep.plans.plan import Disturbance, Failure, Plan

@@ -27,6 +27,7 @@ export function Threads({ studio }: { studio: Studio }) {
 
 function Row({ studio, thread }: { studio: Studio; thread: ThreadState }) {
   const { name, line } = thread;
+  const wait = [said(thread.waits_for), thread.because ?? ""].filter((part) => part !== "").join(": ");
   return (
     <tr onPointerEnter={() => line > 0 && studio.point({ region: "threads", line })} onPointerLeave={() => studio.point(null)}>
       <th scope="row">
@@ -38,7 +39,7 @@ function Row({ studio, thread }: { studio: Studio; thread: ThreadState }) {
       <td class="number">
         {line > 0 && <button type="button" class="place" onClick={() => studio.goToRun({ line, column: 1 })}>{line}</button>}
       </td>
-      <td title={said(thread.waits_for)}>{said(thread.waits_for)}</td>
+      <td title={wait}>{wait}</td>
       <td class="faint">{thread.function}</td>
     </tr>
   );
