@@ -104,7 +104,9 @@ def _found(program: AnalysedProgram) -> Iterator[Finding]:
 
 def _negated(program: AnalysedProgram, node: ast.UnaryOp) -> Iterator[Finding]:
     value = program.values.of(node.operand)
-    is_number = isinstance(node.op, (ast.Not, ast.Invert)) or not value.is_known or value.kinds & (NUMBER | OBJECT)
+    is_number = (
+        isinstance(node.op, (ast.Not, ast.Invert)) or not value.is_known or value.kinds & (NUMBER | OBJECT | NONE)
+    )
     if not is_number and not program.is_tried(node):
         what = _said(program, node.operand, value)
         yield Finding(node, said("{what}: `-` does not take it", what=what), _advice(node.op, value, SOME_INT))
@@ -113,10 +115,9 @@ def _negated(program: AnalysedProgram, node: ast.UnaryOp) -> Iterator[Finding]:
 def _gone_through(program: AnalysedProgram, node: ast.expr) -> Iterator[Finding]:
     """Yield a loop over a number."""
     value = program.values.of(node)
-    if value.kinds and not value.kinds & ~(NUMBER | NONE) and not program.is_tried(node):
+    if value.kinds and not value.kinds & ~NUMBER and not program.is_tried(node):
         text = said("{what}, which no loop goes through", what=_said(program, node, value))
-        hint = said("range({number}) counts from 0", number=ast.unparse(node)) if value.kinds & NUMBER else ""
-        yield Finding(node, text, hint)
+        yield Finding(node, text, said("range({number}) counts from 0", number=ast.unparse(node)))
 
 
 def _indexed(program: AnalysedProgram, node: ast.Subscript) -> Iterator[Finding]:
@@ -124,7 +125,7 @@ def _indexed(program: AnalysedProgram, node: ast.Subscript) -> Iterator[Finding]
     value = program.values.of(node.value)
     if not value.kinds or program.is_tried(node):
         return
-    if not value.kinds & ~(NUMBER | NONE):
+    if not value.kinds & ~NUMBER:
         text = said("{what}, and has no elements", what=_said(program, node.value, value))
         yield Finding(node, text, "")
     elif not value.kinds & ~ROW and not isinstance(node.slice, ast.Slice):
