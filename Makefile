@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: chaos help demo test lowest lint types coverage flips invariants sound real-arm peers bench quoted steady figures picture stops studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
+.PHONY: chaos help demo test lowest lint types coverage flips mistakes invariants sound real-arm peers bench quoted steady figures picture stops studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -18,6 +18,7 @@ help:
 	@echo "make coverage    the tests with branch coverage: a table by package, and what no test reaches"
 	@echo "make steady      the tests ten times beside busy cores and twice on one core; TESTS=tests/services for a folder"
 	@echo "make flips       change random constants of tables; prints the changes that no test notices (an hour)"
+	@echo "make mistakes    plant 500 mistakes into sound programs, see which are told; writes docs/explanation/mistakes.md"
 	@echo "make sound       the tests; every value of every program must be as the checker describes it"
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
 	@echo "make chaos       random sessions for SECONDS=600, from SEED on: programs, devices, faults, people and clients"
@@ -158,6 +159,10 @@ invariants: $(READY)
 	ELITESCRIPT_INVARIANTS=$(CASES) ELITESCRIPT_RECORD=docs/explanation/invariants.json \
 	    $(BIN)/python -m pytest -m "invariants or slow" --timeout 7200
 	$(BIN)/python -m tools.draw_motion
+
+# Other mistakes: python -m tests.mistakes --seed 2
+mistakes: $(READY)
+	$(BIN)/python -m tests.mistakes
 
 # An ordinary session looks at the values of one program in sixteen, this one at all of them; TESTS as above.
 sound: $(READY)

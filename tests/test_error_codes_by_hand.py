@@ -57,6 +57,7 @@ W219   warning   result that is not used
 W220   warning   `return` that is missing on one path
 W221   warning   reading that a secondary program does not wait for
 W222   warning   text in GBK that is UTF-8 by chance
+W223   warning   variable that nothing reads, beside one of nearly the same name
 W240   warning   comparison that is never, or always, true
 W241   warning   condition that is always true, or not what it seems
 W242   warning   measured values compared exactly
@@ -89,6 +90,7 @@ N221   note      encoder that is tracked and not set up
 N222   note      thread that the end of the program ends
 N223   note      output behind a blended move
 N224   note      path that stops at each of its points
+N226   note      sleep that is very long
 E301   error     unknown command
 E302   error     command of a newer firmware
 E303   error     wrong number or names of arguments

@@ -88,6 +88,7 @@ _ROWS: Final = (
     Code("W220", "warning", "`return` that is missing on one path", is_tolerated=True),
     Code("W221", "warning", "reading that a secondary program does not wait for", is_tolerated=True),
     Code("W222", "warning", "text in GBK that is UTF-8 by chance"),
+    Code("W223", "warning", "variable that nothing reads, beside one of nearly the same name", is_tolerated=True),
     # What is legal, but hardly meant: units and targets; see `commands.definition.plausibility`.
     Code("W230", "warning", "angle that looks like degrees", is_tolerated=True),
     Code("W231", "warning", "length that looks like millimetres", is_tolerated=True),
@@ -133,6 +134,7 @@ _ROWS: Final = (
     Code("N223", "note", "output behind a blended move"),
     Code("N224", "note", "path that stops at each of its points"),
     Code("N225", "note", "what is missing beside a graphical program"),
+    Code("N226", "note", "sleep that is very long"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),

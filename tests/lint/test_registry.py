@@ -6,8 +6,8 @@ from elitescript.errors import CODES, InternalError
 from elitescript.lint import rules
 from elitescript.lint.registry import all_rules, rule, rules_for
 
-REPORTED_ELSEWHERE = {"W210", "W222"}
-"""What the language package reports while it reads the text."""
+REPORTED_ELSEWHERE = {"W210", "W222", "N225"}
+"""What the language package reports while it reads the text, and the environment while it reads a task."""
 
 OF_RUNS = ("W27", "W28", "W29", "N28", "N29")
 """Begin of the codes of what only a run can find."""

@@ -15,8 +15,10 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, shown_source
 from elitescript.said import said
 from elitescript.values.description import (
+    BOOL,
     FLOAT,
     LIST,
+    LITERAL,
     MEASURED,
     NONE,
     NUMBER,
@@ -86,6 +88,9 @@ def _comparison(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding
             hint = "lists are equal if they have the same number of equal elements"
             yield Finding(node, _told(program, node, left, right), hint)
             return
+        if _is_truth_beside_number(left, right) or _is_truth_beside_number(right, left):
+            yield Finding(node, _told(program, node, left, right), "ask for the value itself, or for `not` it")
+            return
     analog = _analog(program, node)
     if analog is not None:
         yield analog
@@ -103,7 +108,8 @@ def _comparison(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding
 
 def _may_be_written_elsewhere(program: AnalysedProgram, node: ast.expr, value: Value) -> bool:
     """Return whether another text, such as a secondary program, may give a global another value."""
-    if not isinstance(node, ast.Name) or value.must & OUTSIDE:
+    # What the program itself fetches from outside, nothing else gives it.
+    if not isinstance(node, ast.Name) or value.may & OUTSIDE:
         return False
     return program.symbols.scope_of(node).home(node.id) is None
 
@@ -113,6 +119,12 @@ def _differ_in_length(left: Value, right: Value) -> bool:
     if a is None or b is None or is_equal(left, right) is not False:
         return False
     return a.most < b.least or b.most < a.least
+
+
+def _is_truth_beside_number(value: Value, other: Value) -> bool:
+    """Return whether True or False, which the program has not written itself, is compared with another number."""
+    is_truth = value.kinds == BOOL and not value.must & LITERAL
+    return is_truth and other.has_constant and not other.kinds & ~NUMBER and other.constant not in (0, 1)
 
 
 def _is_from_outside(value: Value) -> bool:
@@ -209,15 +221,16 @@ def _advice(left: Value, right: Value) -> str:
 
 def always_true(program: AnalysedProgram) -> Iterator[Finding]:
     """Report conditions that are no question."""
+    for choice in program.nodes(ast.BoolOp):
+        yield from _alternatives(program, choice)
     conditions: list[ast.expr] = [statement.test for statement in program.nodes(ast.If)]
     conditions += [statement.test for statement in program.nodes(ast.While)]
-    conditions += [choice.test for choice in program.nodes(ast.IfExp)]
+    conditions += [expression.test for expression in program.nodes(ast.IfExp)]
     while conditions:
         node = conditions.pop()
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
             conditions.append(node.operand)
         elif isinstance(node, ast.BoolOp):
-            yield from _alternatives(program, node)
             conditions += node.values
         elif isinstance(node, ast.Compare):
             yield from _position_as_truth(program, node)
@@ -228,9 +241,15 @@ def always_true(program: AnalysedProgram) -> Iterator[Finding]:
 def _alternatives(program: AnalysedProgram, node: ast.BoolOp) -> Iterator[Finding]:
     """Yield the values that stand alone behind `or`: `x == 1 or 2`."""
     first = node.values[0]
+    if isinstance(first, ast.BoolOp):
+        # `x and y == 1 or 2`: `and` binds closer.
+        first = first.values[-1]
     if not isinstance(node.op, ast.Or) or not isinstance(first, ast.Compare) or not isinstance(first.ops[0], ast.Eq):
         return
     for part in node.values[1:]:
+        if isinstance(part, ast.BoolOp):
+            # `x == 1 or 2 and y`.
+            part = part.values[0]
         if isinstance(part, ast.Constant) and part.value and not isinstance(part.value, bool):
             left = ast.unparse(first.left)
             text = said("{expression} alone is always true", expression=shown_source(program, part))

@@ -30,6 +30,7 @@ from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.errors import ScriptError
+    from elitescript.lint.list_uses import ListUses
     from elitescript.lint.passed_values import PassedCall, PassedValues
     from elitescript.values.program import Values
 
@@ -441,7 +442,7 @@ class AnalysedProgram:
                     continue
                 value = self.constants.bounds(node, called.scope)
                 # Programs also compute with transforms in other units, but not with those of the arm.
-                is_judged = not is_transform or any(self._is_of_the_arm(other) for _, other in arguments.given)
+                is_judged = not is_transform or self._is_target(called, arguments)
                 reported = list(JUDGES[meaning](value, self.arm)) if is_judged else []
                 if meaning in TAKEN_FOR_EACH_OTHER and not isinstance(node, (ast.List, ast.Tuple)):
                     other = mistaken(meaning, self.values.of(node).role)
@@ -452,6 +453,25 @@ class AnalysedProgram:
                     doubt = doubt._replace(text=text)
                     found.append(Doubted(element(node, doubt.element), doubt, param, node, called.scope))
         return tuple(found)
+
+    @cached_property
+    def list_uses(self) -> ListUses:
+        """Where lists go to as joint positions and as poses."""
+        # Imported late: short programs have no lists in variables.
+        from elitescript.lint.list_uses import ListUses
+
+        calls = zip(self.command_calls, self.arguments, strict=True)
+        given = [(called.command, called.call, arguments.given) for called, arguments in calls]
+        return ListUses(given, self.values, self.symbols)
+
+    def _is_target(self, called: CommandCall | PassedCall, arguments: Arguments) -> bool:
+        """Return whether a transform is computed from poses of the arm, or gives one."""
+        if any(self._is_of_the_arm(other) for _, other in arguments.given):
+            return True
+        # A result that is certain, and doubtful itself, is told where it is a target.
+        if any(JUDGES["pose"](self.constants.value(called.call, called.scope), self.arm)):
+            return False
+        return self.list_uses.is_pose(self.values.of(called.call).sites)
 
     def _is_of_the_arm(self, node: ast.expr) -> bool:
         """Return whether a list is a reading or target of the arm, which is in metres."""

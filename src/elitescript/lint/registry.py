@@ -115,7 +115,7 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
 
 
 _WORDS: Final[dict[str, tuple[str, ...]]] = {
-    "always_true": ("if", "while"),
+    "always_true": ("if", "while", " or "),
     "joined_lists": ("+", "*"),
     "measured_exactly": ("==", "!=", " in "),
     "never_equal": ("=", "<", ">", " is "),
@@ -132,6 +132,8 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "hidden_variable": ("def ",),
     "index_out_of_range": ("[", "="),
     "line_end_as_prefix": ("socket_read_string",),
+    "long_sleep": ("sleep",),
+    "misspelt_variable": ("=",),
     "modbus_signal": ("modbus_add_",),
     "no_value_yet": ("=",),
     "number_too_large": ("modbus_set_output_register", "socket_send_byte", "set_", "write_"),
@@ -141,7 +143,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "signal_added_in_loop": ("modbus_add_",),
     "stops_at_points": ("movel",),
     "swallowed_refusals": ("except",),
-    "swapped_arguments": ("set_", "write_"),
+    "swapped_arguments": ("set_", "write_", "_read(", "_config("),
     "tool_pin_input": ("set_tool_digital_io_config",),
     "unasked_reading": ("socket_read_",),
     "unfit_address": ("socket_open", "modbus_"),

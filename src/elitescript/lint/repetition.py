@@ -74,6 +74,37 @@ class Analyst:
             return False
         return all(guards and all(self._comes_from_outside(test, work) for test in guards) for guards in work.exits)
 
+    def polls(self, loop: ast.While) -> bool:
+        """Return whether a loop asks a signal in its condition, never waits, and else only counts: it looks at the same
+        moment again and again, until its counter ends it.
+        """
+        work = Work()
+        self._expression(loop.test, work)
+        self._block(loop.body, [], work, is_nested=False)
+        if work.is_uncertain or self._program.is_tried(loop) or not work.changed:
+            return False
+        parts = loop.test.values if isinstance(loop.test, ast.BoolOp) else [loop.test]
+        return all(map(_is_count, loop.body)) and any(
+            self._asks(part) and self._comes_from_outside(part, work) for part in parts
+        )
+
+    def _asks(self, test: ast.expr) -> bool:
+        """Return whether a condition calls a command that reads a signal or a sensor, perhaps through a function."""
+        open_nodes: list[ast.AST] = [test]
+        seen: set[ast.AST] = set()
+        while open_nodes:
+            for call in ast.walk(open_nodes.pop()):
+                if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name):
+                    continue
+                scope = self._symbols.scope_of(call.func)
+                command = self._program.command(call.func.id, scope)
+                if command is not None and command.details.result.origin in ("signal", "measured"):
+                    return True
+                functions = {target.node for target in self._symbols.definitions(call.func.id, scope)} - seen
+                seen |= functions
+                open_nodes += functions
+        return False
+
     # Statements
 
     def _block(self, statements: list[ast.stmt], guards: list[ast.expr], work: Work, *, is_nested: bool) -> None:
@@ -214,6 +245,18 @@ class Analyst:
         if condition.is_uncertain or condition.changed:
             return False
         return not condition.read & work.changed
+
+
+def _is_count(statement: ast.stmt) -> bool:
+    """Return whether a statement does nothing, counts, or leaves because of a count."""
+    if isinstance(statement, ast.If):
+        leaves = all(isinstance(inner, (ast.Break, ast.Return)) or _is_count(inner) for inner in statement.body)
+        return isinstance(statement.test, ast.Compare) and leaves and not statement.orelse
+    if isinstance(statement, ast.AugAssign):
+        return isinstance(statement.value, (ast.Constant, ast.Name))
+    if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.BinOp):
+        return all(isinstance(side, (ast.Constant, ast.Name)) for side in (statement.value.left, statement.value.right))
+    return isinstance(statement, ast.Pass)
 
 
 def _executed(root: ast.expr) -> Iterator[ast.AST]:

@@ -354,10 +354,15 @@ class Expressions(Calls):
             return BOTTOM
         if not owner.kinds & ~(TEXT | BYTES):
             return owner.but(constants=None, node=None)
-        shape = owner.shape
-        if owner.kinds & ~ROW or shape is None:
+        if owner.kinds & ~(ROW | TEXT | BYTES):
             return unknown_of(owner)
         site = self._site(node) if owner.kinds & LIST else NO_SITES
+        shape = owner.shape
+        if shape is None:
+            return owner.but(constants=None, role="", sites=site | owner.sites, node=None)
+        if owner.kinds & ~ROW:
+            cut = Shape(None, shape.any, 0, shape.most)
+            return owner.but(constants=None, shape=cut, role="", sites=site, node=None)
         bounds: list[Any] = [None if end is None else end.constant if end.has_constant else end for end in ends]
         if shape.items is not None and not any(isinstance(bound, Value) for bound in bounds):
             try:

@@ -14,6 +14,9 @@ from tests.lint.checking import body
         'if socket_read_string().find("OK"):\n  halt()\nend',
         "if socket_read_ascii_float(3):\n  halt()\nend",
         "x = read_input_integer_register(0)\nif x == 1 or 2:\n  halt()\nend",
+        "x = read_input_integer_register(0)\nset_standard_digital_out(1, x == 1 or 2)",
+        "x = read_input_integer_register(0)\nif x == 1 or 2 and get_flag(0):\n  halt()\nend",
+        "x = read_input_integer_register(0)\nif get_flag(0) and x == 1 or 2:\n  halt()\nend",
     ],
 )
 def test_it_is_found(lines):
@@ -29,6 +32,8 @@ def test_it_is_found(lines):
         "while True:\n  sync()\nend",
         "r = tool_modbus_read_registers(1, 0, 2)\nif r:\n  halt()\nend",
         "if get_flag(0) == 1 or get_flag(1):\n  halt()\nend",
+        "x = read_input_integer_register(0) or 2\ntextmsg(x)",
+        "x = read_input_integer_register(0)\nif x == 1 or x == 2 and get_flag(0):\n  halt()\nend",
         "s = socket_read_string()\nif s:\n  halt()\nend",
     ],
 )

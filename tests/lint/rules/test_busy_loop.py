@@ -86,7 +86,6 @@ def test_a_loop_that_may_wait_is_left_alone(lines):
     [
         ("n = 0", "while n < 3:", "  n += 1"),
         ("n = 0", "while True:", "  n += 1", "  if n > 2:", "    break"),
-        ("n = 0", "while n < 30 and not get_flag(0):", "  n = n + 1"),
         ("parts = [1, 2]", "while parts:", "  parts.pop()"),
         ("parts = []", "while len(parts) < 3:", "  parts.append(1)"),
         ("while True:", "  break"),
@@ -125,3 +124,40 @@ def test_nothing_is_said_about_a_text_with_errors():
 
 def test_the_hint_says_what_to_put_in():
     assert only("def job():\n  while True:\n    pass\nend\n").hint == "put sync() or sleep(0.01) into it"
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("n = 0", "while not get_standard_digital_in(4) and n < 100:", "  n = n + 1"),
+        ("n = 0", "while get_standard_digital_in(4) != True and n < 2.0:", "  n += 0.1"),
+        (
+            "def on():",
+            "  return get_flag(1)",
+            "end",
+            "n = 0",
+            "while not on():",
+            "  n = n + 1",
+            "  if n > 9:",
+            "    break",
+        ),
+    ],
+    ids=str,
+)
+def test_loops_that_ask_for_one_moment_until_a_counter_ends_them_are_found(lines):
+    line = next(number for number, text in enumerate(lines, 2) if text.startswith("while"))
+    assert body(*lines) == [f"W204 {line}:3"]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("n = 0", "while not get_standard_digital_in(4) and n < 100:", "  n = n + 1", "  sync()"),
+        ("n = 0", "while not get_standard_digital_in(n) and n < 15:", "  n = n + 1"),
+        ("n = 0", "while n < 100:", "  n = n + 1"),
+        ("n = 0", "while get_flag(1) and n < 9:", "  n = n + 1", "  set_standard_digital_out(n, True)"),
+    ],
+    ids=str,
+)
+def test_loops_that_count_something_else_are_not_found(lines):
+    assert body(*lines) == []

@@ -12,6 +12,8 @@ from tests.lint.checking import body
         ("go = get_standard_digital_in(0)", "while not go:", "  sleep(0.1)", "end"),
         ("def until(x):", "  while not x:", "    sync()", "  end", "end", "until(get_standard_digital_in(0))"),
         ("v = read_input_integer_register(0)", "while v < 5:", "  sync()", "end"),
+        ("waited = 0", "while not get_flag(0) and waited < 2:", "  sleep(0.1)", "end"),
+        ("left = 9", "while left > 0 and get_flag(0) != True:", "  sync()", "  movej([0, 0, 0, 0, 0, 0])", "end"),
     ],
     ids=str,
 )
@@ -26,6 +28,9 @@ def test_it_is_found(lines):
         ("while not get_standard_digital_in(0):", "  sync()", "end"),
         ("running = True", "while running:", "  sleep(1)", "end"),
         ("debug = False", "while debug:", "  sleep(1)", "end"),
+        ("waited = 0", "while not get_flag(0) and waited < 2:", "  waited = waited + 0.1", "  sleep(0.1)", "end"),
+        ("n = 0", "PARTS = 9", "while not get_flag(0) and PARTS > n:", "  n = n + 1", "  sync()", "end"),
+        ("MODE = 3", "while not get_flag(0) and MODE > 2:", "  sync()", "end"),
         (
             "ready = False",
             "def w():",

@@ -13,6 +13,8 @@ from tests.lint.checking import body
         ("set_flag(True, 1)",),
         ("write_output_boolean_register(True, 3)",),
         ("on = get_standard_digital_in(0)", "set_standard_digital_out(on, 1)"),
+        ("x = serial_read(False, 21, 0.5)",),
+        ("SIZE = 9", "x = tool_serial_read(True, SIZE, 0.5)"),
     ],
     ids=str,
 )
@@ -27,6 +29,8 @@ def test_it_is_found(lines):
         ("set_standard_digital_out(0, 1)",),
         ("set_standard_digital_out(True, True)",),
         ("n = 3", "set_flag(n, True)"),
+        ("x = serial_read(21, False, 0.5)",),
+        ("x = serial_read(True, 1, 0.5)",),
     ],
     ids=str,
 )

@@ -23,7 +23,7 @@ def test_it_is_found(lines):
     "lines",
     [
         "movej([0, -1.5, -1.5, -1.5, 1.5, 0], t=99)",
-        "sleep(3600)",
+        "sleep(60)",
         "servoj([0, -1.5, -1.5, -1.5, 1.5, 0], t=0.008)",
         "s = socket_read_string(timeout=60)\ntextmsg(s)",
         "s = socket_read_string(timeout=0)\ntextmsg(s)",

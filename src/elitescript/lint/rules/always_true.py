@@ -26,7 +26,8 @@ from elitescript.lint.registry import Finding, rule
 @rule(code="W241", since="0.3")
 def always_true(program: AnalysedProgram) -> Iterator[Finding]:
     """Report conditions that are no question."""
-    if [*program.nodes(ast.If), *program.nodes(ast.While), *program.nodes(ast.IfExp)]:
+    kinds = (ast.If, ast.While, ast.IfExp, ast.BoolOp)
+    if any(program.nodes(kind) for kind in kinds):
         from elitescript.lint.comparisons import always_true
 
         yield from always_true(program)

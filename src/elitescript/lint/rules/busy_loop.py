@@ -2,7 +2,8 @@
 
 Found are loops that nothing inside them can end: `while True` without a way out, and loops whose condition
 only an input or another thread can change. If no call in them takes time, also none in the functions that they
-call, they burn the controller's time and starve other threads.
+call, they burn the controller's time and starve other threads. A loop that asks an input and only counts its turns
+looks at one moment that many times.
 
     def job():
       while not get_standard_digital_in(0):    # W204
@@ -35,4 +36,7 @@ def busy_loop(program: AnalysedProgram) -> Iterator[Finding]:
     for loop in loops:
         if loop not in unfinished and analyst.is_busy(loop):
             text = "this loop never waits: no call in it takes time, so it starves the other threads"
+            yield Finding(program.header_span(loop), text, "put sync() or sleep(0.01) into it")
+        elif loop not in unfinished and analyst.polls(loop):
+            text = "this loop never waits: it asks for the same moment in each turn, until its counter ends it"
             yield Finding(program.header_span(loop), text, "put sync() or sleep(0.01) into it")

@@ -1,7 +1,8 @@
 """A loop that waits for a variable that nothing changes: no statement in it, no function, no other thread.
 
 An input that was read once, in front of the loop, keeps that value. A loop whose condition is certainly false is a part
-that is switched off, and one with the plain condition `running` may be meant to have no end: both are left alone.
+that is switched off, and one with the plain condition `running` may be meant to have no end: both are left alone. A
+limit beside another condition that nothing counts towards is found too.
 
     def job():
       go = get_standard_digital_in(0)
@@ -25,7 +26,7 @@ from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
 from elitescript.said import said
-from elitescript.values.description import OUTSIDE, SCALAR, Value
+from elitescript.values.description import NUMBER, OUTSIDE, SCALAR, Value
 from elitescript.values.operators import truth
 
 _FOREIGN: Final = frozenset(("exec", "eval", "interpreter_mode"))
@@ -33,6 +34,7 @@ _PLAIN: Final = (
     *(ast.Name, ast.Constant, ast.Compare, ast.BoolOp, ast.UnaryOp, ast.BinOp, ast.expr_context),
     *(ast.cmpop, ast.boolop, ast.unaryop, ast.operator),
 )
+_LIMITS: Final = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 _LEAVING: Final = (ast.Break, ast.Return, ast.Raise, ast.Yield, ast.Assert)
 _WAITING: Final = frozenset(("sleep", "sync", "textmsg", "get_steptime", "print", "str"))
 """What a loop calls that only waits."""
@@ -44,6 +46,7 @@ def endless_wait(program: AnalysedProgram) -> Iterator[Finding]:
     if any(name in scope.reads for scope in program.symbols.scopes for name in _FOREIGN):
         return
     for loop in program.nodes(ast.While):
+        yield from _forgotten_counts(program, loop)
         names = _names(loop.test)
         if (
             not names
@@ -57,6 +60,29 @@ def endless_wait(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         if not _leaves(program, loop):
             yield _told(program, loop, names, values)
+
+
+def _forgotten_counts(program: AnalysedProgram, loop: ast.While) -> Iterator[Finding]:
+    """Report the limit beside another condition that nothing counts towards: `get_flag(0) and waited < 2`."""
+    if not isinstance(loop.test, ast.BoolOp) or not isinstance(loop.test.op, ast.And):
+        return
+    for part in loop.test.values:
+        is_limit = (
+            isinstance(part, ast.Compare) and isinstance(part.left, ast.Name) and isinstance(part.ops[0], _LIMITS)
+        )
+        if not is_limit or not isinstance(part, ast.Compare) or not isinstance(part.left, ast.Name):
+            continue
+        names = _names(part)
+        value = program.values.of(part.left)
+        is_start = value.has_constant and not value.kinds & ~NUMBER and not part.left.id.isupper()
+        is_asked = any(isinstance(node, ast.Call) for other in loop.test.values for node in ast.walk(other))
+        if names and is_start and is_asked and _stays(program, part.left, loop):
+            text = said(
+                "nothing changes `{name}` in this loop: {condition} stays as it is",
+                name=part.left.id,
+                condition=shown_source(program, part),
+            )
+            yield Finding(part, text, said("count it in the loop: {name} = {name} + ...", name=part.left.id))
 
 
 def _told(program: AnalysedProgram, loop: ast.While, names: list[ast.Name], values: list[Value]) -> Finding:

@@ -1,6 +1,7 @@
 """True or False where the number of a pin, port or register belongs: the arguments have changed places.
 
-True counts as 1, so the command would set another output.
+True counts as 1, so the command would set another output. So it is with any other number, where another argument
+is a number in place of True or False.
 
     def job():
       set_standard_digital_out(0, True)           # fine
@@ -14,11 +15,14 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.commands.definition.quantities import Boolean, Integer
+from elitescript.commands.definition.registry import Param
 from elitescript.language.diagnostics import Edit, Fix
+from elitescript.lint.arguments import Arguments
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
-from elitescript.values.description import BOOL
+from elitescript.values.description import BOOL, NUMBER
 
 _INDICES: Final = ("n", "address", "port", "index", "encoder_index")
 
@@ -30,7 +34,8 @@ def swapped_arguments(program: AnalysedProgram) -> Iterator[Finding]:
         if all(_is_truth(program, node) for _, node in arguments.given):
             continue
         for param, node in arguments.given:
-            if param.name not in _INDICES or not _is_truth(program, node):
+            is_wanted = param.name in _INDICES or (_takes_number(param) and _gives_number(program, arguments))
+            if not is_wanted or not _is_truth(program, node):
                 continue
             text = said(
                 "{command}: {param} is {expression}, and a number belongs there",
@@ -48,6 +53,20 @@ def swapped_arguments(program: AnalysedProgram) -> Iterator[Finding]:
             yield Finding(
                 node, text, said("the number comes first: {signature}", signature=found.command.signature), fix
             )
+
+
+def _takes_number(param: Param) -> bool:
+    return isinstance(param.quantity, Integer)
+
+
+def _gives_number(program: AnalysedProgram, arguments: Arguments) -> bool:
+    """Return whether a call has a number, and not 0 or 1, where True or False belongs."""
+    for param, node in arguments.given:
+        if isinstance(param.quantity, Boolean):
+            value = program.values.of(node)
+            if value.has_constant and not value.kinds & ~NUMBER and value.constant not in (0, 1):
+                return True
+    return False
 
 
 def _is_truth(program: AnalysedProgram, node: ast.expr) -> bool:
