@@ -16,7 +16,7 @@ from functools import wraps
 from typing import Any, Final, ParamSpec, TypeVar
 
 from elitescript.records import NamedTuple
-from elitescript.said import Said
+from elitescript.said import Said, said
 from elitescript.shown import shown, shown_word
 
 _Given = ParamSpec("_Given")
@@ -98,36 +98,36 @@ _ROWS: Final = (
     Code("W235", "warning", "blend radius longer than half of the move", is_tolerated=True),
     Code("W236", "warning", "target that the arm cannot reach", is_tolerated=True),
     Code("W237", "warning", "joint positions where a pose belongs, or the reverse", is_tolerated=True),
-    Code("W240", "warning", "comparison that is never, or always, true"),
-    Code("W241", "warning", "condition that is always true, or not what it seems"),
-    Code("W242", "warning", "measured values compared exactly"),
-    Code("W243", "warning", "lists joined where numbers were meant"),
-    Code("W244", "warning", "time that looks like milliseconds"),
-    Code("W245", "warning", "call of a value that is no function"),
-    Code("W246", "warning", "channel that nothing opens"),
-    Code("W247", "warning", "another server under the name of an open channel"),
-    Code("W248", "warning", "line end as the mark in front of a text"),
-    Code("W249", "warning", "MODBUS signal that cannot be used like this"),
-    Code("W250", "warning", "negative blend radius"),
-    Code("W251", "warning", "MODBUS signal added in the loop that reads it"),
-    Code("W252", "warning", "address that no device has"),
-    Code("W253", "warning", "serial port that is not set up for the command"),
-    Code("W254", "warning", "thread handle used as a value"),
-    Code("W255", "warning", "tool pin that is set and is no output"),
-    Code("W256", "warning", "variable that has no value yet"),
-    Code("W257", "warning", "variable that one branch alone gives a value"),
-    Code("W258", "warning", "variable that hides that of the enclosing program"),
-    Code("W259", "warning", "waiting loop that nothing ends"),
-    Code("W260", "warning", "write to an address that mirrors the robot"),
-    Code("W261", "warning", "loop that only swallows refusals"),
-    Code("W262", "warning", "reading that may have failed and is used unasked"),
-    Code("W263", "warning", "list that is changed under its other name"),
-    Code("W264", "warning", "operation that Python does not have"),
-    Code("W265", "warning", "element that a list does not have"),
-    Code("W266", "warning", "arguments that have changed places"),
-    Code("W267", "warning", "per cent where a fraction is meant"),
-    Code("W268", "warning", "number that the receiver cannot hold"),
-    Code("W269", "warning", "call that never ends, in place of a function for a thread"),
+    Code("W240", "warning", "comparison that is never, or always, true", is_tolerated=True),
+    Code("W241", "warning", "condition that is always true, or not what it seems", is_tolerated=True),
+    Code("W242", "warning", "measured values compared exactly", is_tolerated=True),
+    Code("W243", "warning", "lists joined where numbers were meant", is_tolerated=True),
+    Code("W244", "warning", "time that looks like milliseconds", is_tolerated=True),
+    Code("W245", "warning", "call of a value that is no function", is_tolerated=True),
+    Code("W246", "warning", "channel that nothing opens", is_tolerated=True),
+    Code("W247", "warning", "another server under the name of an open channel", is_tolerated=True),
+    Code("W248", "warning", "line end as the mark in front of a text", is_tolerated=True),
+    Code("W249", "warning", "MODBUS signal that cannot be used like this", is_tolerated=True),
+    Code("W250", "warning", "negative blend radius", is_tolerated=True),
+    Code("W251", "warning", "MODBUS signal added in the loop that reads it", is_tolerated=True),
+    Code("W252", "warning", "address that no device has", is_tolerated=True),
+    Code("W253", "warning", "serial port that is not set up for the command", is_tolerated=True),
+    Code("W254", "warning", "thread handle used as a value", is_tolerated=True),
+    Code("W255", "warning", "tool pin that is set and is no output", is_tolerated=True),
+    Code("W256", "warning", "variable that has no value yet", is_tolerated=True),
+    Code("W257", "warning", "variable that one branch alone gives a value", is_tolerated=True),
+    Code("W258", "warning", "variable that hides that of the enclosing program", is_tolerated=True),
+    Code("W259", "warning", "waiting loop that nothing ends", is_tolerated=True),
+    Code("W260", "warning", "write to an address that mirrors the robot", is_tolerated=True),
+    Code("W261", "warning", "loop that only swallows refusals", is_tolerated=True),
+    Code("W262", "warning", "reading that may have failed and is used unasked", is_tolerated=True),
+    Code("W263", "warning", "list that is changed under its other name", is_tolerated=True),
+    Code("W264", "warning", "operation that Python does not have", is_tolerated=True),
+    Code("W265", "warning", "element that a list does not have", is_tolerated=True),
+    Code("W266", "warning", "arguments that have changed places", is_tolerated=True),
+    Code("W267", "warning", "per cent where a fraction is meant", is_tolerated=True),
+    Code("W268", "warning", "number that the receiver cannot hold", is_tolerated=True),
+    Code("W269", "warning", "call that never ends, in place of a function for a thread", is_tolerated=True),
     # What a sound program may have, and what is worth knowing all the same.
     Code("N221", "note", "encoder that is tracked and not set up"),
     Code("N222", "note", "thread that the end of the program ends"),
@@ -324,9 +324,7 @@ class ScriptError(Exception):
         unit: str | None = None,
         hint: str | None = None,
     ) -> None:
-        # Programs see a plain text.
-        super().__init__(str(text))
-        self.said = text
+        self.set_text(text)
         self.code = code or self.default_code
         self.command = command
         self.argument = argument
@@ -335,6 +333,33 @@ class ScriptError(Exception):
         self.unit = unit
         self.hint = hint
 
+    def set_text(self, text: str) -> None:
+        """Set what was wrong; programs see it as a plain text."""
+        self.args = (str(text),)
+        self._text = text
+        self._around: tuple[tuple[str, dict[str, str]], ...] = ()
+
+    def put_into(self, text: str, template: str, **values: str) -> None:
+        """Make the text part of a longer one.
+
+        Programs catch refusals in loops: what `said` gives is not made until an alarm needs it.
+
+        Args:
+            text: the longer one, as programs see it.
+            template: of it, with `{mistake}` for the text until now.
+            values: of the other holes.
+        """
+        self.args = (text,)
+        self._around += ((template, values),)
+
+    @property
+    def said(self) -> str:
+        """What was wrong, with its template."""
+        text = self._text
+        for template, values in self._around:
+            text = said(template, mistake=text, **values)
+        return text
+
 
 def text_of(error: BaseException) -> str:
     """Return the text of an error, with its template if it was made by `said`.
@@ -342,8 +367,8 @@ def text_of(error: BaseException) -> str:
     An error of a program may have a text that raises something else.
     """
     text = str(error)
-    said = getattr(error, "said", None) or (error.args[0] if error.args else None)
-    return said if type(said) is Said and said == text else text
+    kept = getattr(error, "said", None) or (error.args[0] if error.args else None)
+    return kept if type(kept) is Said and kept == text else text
 
 
 class ArgumentTypeError(ScriptError, TypeError):

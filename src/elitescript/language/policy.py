@@ -20,6 +20,7 @@ from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.hooks import ATTRIBUTE
 from elitescript.language.nodes import Census, children
 from elitescript.language.text.source import SourceFile
+from elitescript.said import said
 
 COMPREHENSION_DEPTH_MAX: Final = 12
 """Some releases of CPython 3.12 and 3.13 crash when they compile about twice as many inside each other."""
@@ -222,7 +223,10 @@ class _Reviewer:
     def _nesting(self) -> Iterator[Diagnostic]:
         node = first_too_deep(self.census)
         if node is not None:
-            text = f"comprehensions are nested more than {COMPREHENSION_DEPTH_MAX} deep"
+            text = said(
+                "comprehensions are nested more than {comprehension_depth_max} deep",
+                comprehension_depth_max=COMPREHENSION_DEPTH_MAX,
+            )
             yield self._finding(node, text, "give the inner ones names of their own")
 
     def _finding(self, node: ast.AST, text: str, hint: str, name: str = "") -> Diagnostic:
@@ -240,13 +244,15 @@ class _Reviewer:
         return diagnostic("E115", line, column + 1, text, end_column=column + 1 + max(1, len(name)), hint=hint)
 
     def _special(self, node: ast.AST, name: str) -> Diagnostic:
-        return self._finding(node, f"programs cannot use the name `{name}`", _ADVICE.get(name, _DEFAULT_ADVICE), name)
+        return self._finding(
+            node, said("programs cannot use the name `{name}`", name=name), _ADVICE.get(name, _DEFAULT_ADVICE), name
+        )
 
     def _unknown(self) -> Iterator[Diagnostic]:
         for node in self.census.unknown:
             kind = type(node).__name__
-            what, hint = _SYNTAX.get(kind, (f"this syntax ({kind})", "write it in a simpler way"))
-            yield self._finding(node, f"{what} is not available", hint)
+            what, hint = _SYNTAX.get(kind, (said("this syntax ({kind})", kind=kind), "write it in a simpler way"))
+            yield self._finding(node, said("{what} is not available", what=what), hint)
 
     def _names(self) -> Iterator[Diagnostic]:
         """Yield special names, wherever a name can stand."""
@@ -287,19 +293,19 @@ class _Reviewer:
         for node in self.census.of(ast.Attribute):
             name = node.attr
             if name in DENIED_ATTRIBUTES:
-                text = f"the attribute `{name}` is not available to programs"
+                text = said("the attribute `{name}` is not available to programs", name=name)
                 yield self._finding(node, text, "it belongs to the inside of Python", name)
             elif name[:2] == "__" and is_dunder(name):
                 if name not in ALLOWED_DUNDER_LOADS:
-                    text = f"the attribute `{name}` is not available to programs"
+                    text = said("the attribute `{name}` is not available to programs", name=name)
                     yield self._finding(node, text, _ADVICE.get(name, _DEFAULT_ADVICE), name)
                 elif not isinstance(node.ctx, ast.Load):
-                    text = f"the attribute `{name}` cannot be changed"
+                    text = said("the attribute `{name}` cannot be changed", name=name)
                     yield self._finding(node, text, "define it in the body of the class", name)
         for statement in self.census.of(ast.AugAssign):
             target = statement.target
             if isinstance(target, ast.Attribute) and target.attr in GUARDED_ATTRIBUTES:
-                text = f"the attribute `{target.attr}` cannot be changed in place"
+                text = said("the attribute `{attr}` cannot be changed in place", attr=target.attr)
                 yield self._finding(target, text, "assign it with `=`", target.attr)
 
     def _definitions(self) -> Iterator[Diagnostic]:
@@ -311,13 +317,13 @@ class _Reviewer:
                 if id(function) not in methods:
                     yield self._special(function, function.name)
                 elif function.name not in ALLOWED_DUNDER_DEFINITIONS:
-                    text = f"a class cannot define `{function.name}`"
+                    text = said("a class cannot define `{function}`", function=function.name)
                     yield self._finding(function, text, _ADVICE.get(function.name, _DEFAULT_ADVICE), function.name)
         for node in census.of(ast.ClassDef):
             if is_dunder(node.name):
                 yield self._special(node, node.name)
             for keyword in node.keywords:
-                text = f"a class takes no `{keyword.arg or '**'}=`"
+                text = said("a class takes no `{arg}=`", arg=keyword.arg or "**")
                 yield self._finding(keyword, text, "name only the classes that it extends")
 
     def _methods(self) -> set[int]:
@@ -357,5 +363,5 @@ class _Reviewer:
                 yield self._finding(pattern, text, "write `case int() as n`, or `case Point(x=a, y=b)`")
             for name in pattern.kwd_attrs:
                 if not is_attribute_allowed(name) or name in GUARDED_ATTRIBUTES:
-                    text = f"the attribute `{name}` is not available in patterns"
+                    text = said("the attribute `{name}` is not available in patterns", name=name)
                     yield self._finding(pattern, text, "test it with `if`", name)

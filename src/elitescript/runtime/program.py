@@ -28,6 +28,7 @@ from elitescript.runtime.probe import witness
 from elitescript.runtime.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.runtime.probe import Probe
@@ -370,7 +371,7 @@ def _checked_scope(scope: Any) -> dict[str, Any]:
         raise TypeError(f"eval() takes its names from a dict, not {type(scope).__name__}")
     for name in scope:
         if type(name) is not str or name.startswith(("__", "@")):
-            raise ScriptPermissionError(f"eval(): {name!r} cannot be a name", value=str(name))
+            raise ScriptPermissionError(said("eval(): {name!r} cannot be a name", name=name), value=str(name))
     return dict(scope)
 
 

@@ -37,6 +37,7 @@ from elitescript.runtime.names.modules import Facade, ModuleShelf
 from elitescript.runtime.stdlib.iteration import Steps, iter_until
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
 from elitescript.runtime.threads.strand import UNCATCHABLE
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.runtime.names.identities import Identities
@@ -221,7 +222,7 @@ def _newer(name: str, command: Command, profile: Profile) -> Callable[..., NoRet
         raise FirmwareError(
             newer_firmware_text(name, command.since, profile),
             command=name,
-            limit=f"firmware >= {command.since}",
+            limit=said("firmware >= {since}", since=command.since),
             hint=newer_firmware_hint(command.since),
         )
 
@@ -325,7 +326,7 @@ def _refusal(name: str, _run: Bindings) -> Callable[..., NoReturn]:
         Raises:
             ScriptPermissionError: always.
         """
-        raise ScriptPermissionError(f"{name}() is not available to programs", command=name, hint=advice)
+        raise ScriptPermissionError(said("{name}() is not available to programs", name=name), command=name, hint=advice)
 
     refuse.__name__ = refuse.__qualname__ = name
     return refuse

@@ -21,6 +21,7 @@ from elitescript.language.policy import is_dunder
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
+from elitescript.said import said
 
 
 class Facade(metaclass=Sealed):
@@ -58,9 +59,9 @@ def _advice(attribute: str, facade: Facade) -> str:
 
     names = sorted(vars(facade))
     if len(names) <= FEW_NAMES:
-        return f"; it has {', '.join(names)}"
+        return said("; it has {names}", names=", ".join(names))
     meant = nearest(attribute, names)
-    return f"; is `{meant}` meant?" if meant else ""
+    return said("; is `{meant}` meant?", meant=meant) if meant else ""
 
 
 FEW_NAMES: Final = 24
@@ -182,11 +183,12 @@ class ModuleShelf:
 
 def _refusal(name: str) -> str:
     if name.partition(".")[0] in NETWORK:
-        return (
-            f"the module {name!r} is not available to programs; "
-            "the commands socket_open, socket_send_string, rpc_factory and their like reach the network"
+        return said(
+            "the module {name!r} is not available to programs; the commands socket_open, "
+            "socket_send_string, rpc_factory and their like reach the network",
+            name=name,
         )
-    return f"the module {name!r} is not available to programs"
+    return said("the module {name!r} is not available to programs", name=name)
 
 
 def _chosen(space: dict[str, Any], wanted: str) -> dict[str, Any]:
