@@ -148,9 +148,9 @@ def _wait(self: Scheduler, reason: str, until: int | None = None) -> bool:
     return _WAIT(self, reason, until)
 
 
-def _body_of(self: Program, unit: CompiledUnit) -> Any:
+def _body_of(self: Program, unit: CompiledUnit, *variables: Any) -> Any:
     WITNESS.runs(self, unit)
-    return _BODY_OF(self, unit)
+    return _BODY_OF(self, unit, *variables)
 
 
 def pytest_configure() -> None:

@@ -16,7 +16,7 @@ from functools import wraps
 from typing import Any, Final, ParamSpec, TypeVar
 
 from elitescript.records import NamedTuple
-from elitescript.said import Said
+from elitescript.said import Said, said
 from elitescript.shown import shown, shown_word
 
 _Given = ParamSpec("_Given")
@@ -324,9 +324,7 @@ class ScriptError(Exception):
         unit: str | None = None,
         hint: str | None = None,
     ) -> None:
-        # Programs see a plain text.
-        super().__init__(str(text))
-        self.said = text
+        self.set_text(text)
         self.code = code or self.default_code
         self.command = command
         self.argument = argument
@@ -335,6 +333,33 @@ class ScriptError(Exception):
         self.unit = unit
         self.hint = hint
 
+    def set_text(self, text: str) -> None:
+        """Set what was wrong; programs see it as a plain text."""
+        self.args = (str(text),)
+        self._text = text
+        self._around: tuple[tuple[str, dict[str, str]], ...] = ()
+
+    def put_into(self, text: str, template: str, **values: str) -> None:
+        """Make the text part of a longer one.
+
+        Programs catch refusals in loops: what `said` gives is not made until an alarm needs it.
+
+        Args:
+            text: the longer one, as programs see it.
+            template: of it, with `{mistake}` for the text until now.
+            values: of the other holes.
+        """
+        self.args = (text,)
+        self._around += ((template, values),)
+
+    @property
+    def said(self) -> str:
+        """What was wrong, with its template."""
+        text = self._text
+        for template, values in self._around:
+            text = said(template, mistake=text, **values)
+        return text
+
 
 def text_of(error: BaseException) -> str:
     """Return the text of an error, with its template if it was made by `said`.
@@ -342,8 +367,8 @@ def text_of(error: BaseException) -> str:
     An error of a program may have a text that raises something else.
     """
     text = str(error)
-    said = getattr(error, "said", None) or (error.args[0] if error.args else None)
-    return said if type(said) is Said and said == text else text
+    kept = getattr(error, "said", None) or (error.args[0] if error.args else None)
+    return kept if type(kept) is Said and kept == text else text
 
 
 class ArgumentTypeError(ScriptError, TypeError):

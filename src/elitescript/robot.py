@@ -51,6 +51,7 @@ from elitescript.run import FINDINGS, NOT_DELIVERED, EndState, Look, ProgramGlob
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.probe import Probe, noted, probed, witness
 from elitescript.runtime.threads.strand import is_stop
+from elitescript.said import joined, said
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -676,7 +677,7 @@ class VirtualRobot:
         if drain is None or run is None:
             return
         for text in drain.give_up():
-            self.controller.emit(Warned(self.tick, NOT_DELIVERED + text, code=UNDELIVERED))
+            self.controller.emit(Warned(self.tick, said(NOT_DELIVERED, text=text), code=UNDELIVERED))
         if text := self._outside.take_refused():
             self.controller.emit(Warned(self.tick, text, code=BARRED))
         if self._outside.surroundings is not None:
@@ -720,6 +721,10 @@ class VirtualRobot:
         if run.state == "":
             run.state = state
             run.threads = self._explained(run)
+            if state == "time_limit" and (words := self._arm_words()) and run.threads:
+                first, *others = run.threads
+                because = joined("; ", filter(None, (first.because, words)))
+                run.threads = (first._replace(because=because), *others)
             self._host.stop(state)
             self._host.run_tick(self.tick)
             if self._outside.surroundings is not None:
@@ -745,21 +750,30 @@ class VirtualRobot:
         """Warn of a contact."""
         self._event(Warned(tick, contact.text, "main", contact.line, "W273"))
 
+    def _arm_words(self) -> str:
+        """Return what keeps the arm from moving; empty if nothing does."""
+        still = "the speed percentage is 0" if self.controller.speed_scale == 0.0 else ""
+        return joined("; ", filter(None, (self.controller.safety.obstruction, still)))
+
     def _report_stuck(self) -> None:
         assert self._run is not None
         threads = self._explained(self._run)
-        waits = "; ".join(
-            f"{thread.name} (line {thread.line}) {f'waits for {thread.waits_for}' if thread.waits_for else 'is held'}"
-            + (f": {thread.because}" if thread.because else "")
-            for thread in threads
-        )
-        obstruction = self.controller.safety.obstruction
-        waits += f"; {obstruction}" if obstruction else ""
-        waits += "; the speed percentage is 0" if self.controller.speed_scale == 0.0 else ""
+        text = "{thread} (line {line}) {held}"
+        waits = [said(text, thread=thread.name, line=thread.line, held=thread.held) for thread in threads]
+        waits += filter(None, (self._arm_words(),))
         line = threads[0].line if threads else 0
         source = self._run.unit.source
         text = source.line(line) if line else ""
-        alarm = Alarm(self.tick, "R130", "Stuck", f"nothing can ever happen again: {waits}", line, 1, "main", text)
+        alarm = Alarm(
+            self.tick,
+            "R130",
+            "Stuck",
+            said("nothing can ever happen again: {waits}", waits=joined("; ", waits)),
+            line,
+            1,
+            "main",
+            text,
+        )
         self._event(alarm)
         self._finish("stuck")
 

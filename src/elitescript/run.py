@@ -24,6 +24,7 @@ from elitescript.messages.events import (
 )
 from elitescript.messages.motion import Six
 from elitescript.records import NamedTuple
+from elitescript.said import joined, said
 
 if TYPE_CHECKING:
     from elitescript.controller.views.trace_rows import TraceRows
@@ -36,7 +37,7 @@ RECORDS_MAX: Final = 50_000
 TEXT_MAX: Final = 64 << 20
 """Characters of the texts of its events that a run keeps; likewise of the texts of each kind."""
 
-NOT_DELIVERED: Final = "not delivered: "
+NOT_DELIVERED: Final = "not delivered: {text}"
 """Begin of the warning about data that a program sent before its end and that did not arrive."""
 
 _Record = TypeVar("_Record")
@@ -226,10 +227,11 @@ class Run:
     def why(self) -> str | None:
         """Why it did not finish, in a sentence; None if it finished, was stopped or still runs."""
         if self.alarms and self.state in ("alarm", "stuck"):
-            return f"{self.alarms[-1].class_name}: {self.alarms[-1].text}"
+            return said("{kind}: {text}", kind=self.alarms[-1].class_name, text=self.alarms[-1].text)
         if self.state != "time_limit":
             return None
-        return "; ".join(f"{thread.name} is in line {thread.line}, {thread.doing}" for thread in self.threads)
+        text = "{thread} is in line {line}, {doing}"
+        return joined("; ", (said(text, thread=row.name, line=row.line, doing=row.doing) for row in self.threads))
 
     @property
     def time_s(self) -> float:
@@ -361,9 +363,9 @@ class Run:
         elif isinstance(event, Warned):
             self._keep(self.warnings, 2, event.text)
             if event.code == UNDELIVERED:
-                _keep(self.undelivered, event.text.removeprefix(NOT_DELIVERED))
+                _keep(self.undelivered, event.text.removeprefix(NOT_DELIVERED.partition("{")[0]))
         elif isinstance(event, DeviceNoted) and event.is_warning:
-            self._keep(self.warnings, 2, f"{event.device}: {event.text}")
+            self._keep(self.warnings, 2, said("{device}: {text}", device=event.device, text=event.text))
         elif isinstance(event, Alarm):
             self.alarms.append(event)
         self.record.weigh(_text_of(event))

@@ -76,7 +76,14 @@ def said(template: str, /, **values: object) -> str:
         ValueError: a brace that is neither doubled nor one of a hole.
         KeyError: a hole without value.
     """
-    plain, holes = _READ.get(template) or _read(template)
+    plain, holes, is_plain = _READ.get(template) or _read(template)
+    if is_plain and len(values) == len(holes):
+        for value in values.values():
+            if type(value) is not str and type(value) is not Said:
+                break
+        else:
+            # Most texts; refusals that programs catch are made in loops.
+            return _made(plain.format_map(values), plain, tuple(values.items()))  # type: ignore[arg-type]
     shown: dict[str, str | int] = {}
     for name, conversion, form in holes:
         value = values[name]
@@ -112,13 +119,13 @@ def joined(separator: str, texts: Iterable[str]) -> str:
 
 
 def replaced(text: str, words: str, other: str) -> str:
-    """Return a text with other words, in the texts within it too; values that are no texts of `said` stay."""
+    """Return a text with other words, in it and in its values."""
     if words not in text:
         return text
     if not isinstance(text, Said):
         return text.replace(words, other)
     values = {
-        name: replaced(value, words, other) if isinstance(value, Said) else value for name, value in text.values.items()
+        name: replaced(value, words, other) if isinstance(value, str) else value for name, value in text.values.items()
     }
     template = text.template.replace(escaped(words), escaped(other))
     return _made(template.format_map(values), template, tuple(values.items()))
@@ -155,7 +162,7 @@ def rebuilt(text: str, template: str, values: Mapping[str, str | int]) -> Said:
     Raises:
         ValueError: the template and the values do not make the text.
     """
-    plain, holes = _READ.get(template) or _read(template, is_kept=False)
+    plain, holes, _ = _READ.get(template) or _read(template, is_kept=False)
     names = {name for name, _, _ in holes}
     if plain == template and names == values.keys():
         # A short template may make a text that fills the memory.
@@ -167,11 +174,15 @@ def rebuilt(text: str, template: str, values: Mapping[str, str | int]) -> Said:
 
 
 _Holes = tuple[tuple[str, str | None, str | None], ...]
-_READ: Final[dict[str, tuple[str, _Holes]]] = {}
+_READ: Final[dict[str, tuple[str, _Holes, bool]]] = {}
 
 
-def _read(template: str, *, is_kept: bool = True) -> tuple[str, _Holes]:
-    """Return a template with names alone in its holes, and each name with conversion and format."""
+def _read(template: str, *, is_kept: bool = True) -> tuple[str, _Holes, bool]:
+    """Return a template with names alone in its holes, each name with conversion and format, and whether none has any.
+
+    Raises:
+        ValueError: a brace that is neither doubled nor one of a hole.
+    """
     holes: dict[str, tuple[str, str | None, str | None]] = {}
 
     def plain(found: re.Match[str]) -> str:
@@ -184,7 +195,8 @@ def _read(template: str, *, is_kept: bool = True) -> tuple[str, _Holes]:
             raise ValueError(f"{name} is shown in two ways in the template {template!r}")
         return f"{{{name}}}"
 
-    read = _HOLE.sub(plain, template), tuple(holes.values())
+    text = _HOLE.sub(plain, template)
+    read = text, tuple(holes.values()), text == template
     if is_kept:
         if len(_READ) >= _TEMPLATES_MAX:
             _READ.clear()

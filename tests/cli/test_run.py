@@ -398,7 +398,7 @@ def test_an_emergency_stop_says_what_leads_back(program, capsys):
 def test_an_open_safeguard_says_that_the_program_is_held(program, capsys):
     assert main(["run", program(DOWN), "--set", "safeguard_stop=true"]) == 5
     err = capsys.readouterr().err
-    assert "is held; the safeguard is open; close it" in err
+    assert "the safeguard is open; close it" in err
     assert "waits for ;" not in err
 
 

@@ -81,6 +81,10 @@ def test_json_is_the_problem_object_of_the_command_line():
         "column": 5,
         "text": "text",
         "hint": "hint",
+        "template": "text",
+        "values": {},
+        "hint_template": "hint",
+        "hint_values": {},
     }
 
 

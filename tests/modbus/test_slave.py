@@ -133,6 +133,13 @@ def test_a_gateway_says_that_a_slave_is_not_there() -> None:
     assert not connection.is_lost
 
 
+def test_too_many_registers_are_an_exception_and_the_connection_stays() -> None:
+    connection = TcpSlave(small()[0])
+    long = bytes([16, 0, 0, 0, 124, 248]) + bytes(248)
+    assert connection.take(tcp_frame(1, 7, long)) == tcp_frame(1, 7, pdu.exception(16, 3))
+    assert not connection.is_lost
+
+
 def test_nonsense_loses_a_connection() -> None:
     connection = TcpSlave(small()[0])
     assert connection.take(b"GET / HTTP/1.1\r\n\r\n") == b""

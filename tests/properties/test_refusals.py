@@ -28,6 +28,8 @@ REFUSED = (
     ("eventually(signal('standard_digital_out'))", "column 19", "needs an index"),
     ("eventually(standard_digital_out[16])", "column 12", "indices 0 to 15"),
     ("eventually(standard_digital_out)", "column 12", "needs an index"),
+    ("standard_digital_out[-1]", "column 1", "write the index as a number in brackets"),
+    ("eventually(standard_digital_out[line])", "column 12", "write the index as a number in brackets"),
     ("flag[128]", "column 1", "indices 0 to"),
     ("always(tcp.w > 0)", "column 8", "tcp has x, y, z, rx, ry, rz"),
     ("joints.elbo > 0", "column 1", "joints has base, shoulder, elbow"),

@@ -199,7 +199,21 @@ def test_a_frame_of_another_protocol_is_left_out(peer: Peer) -> None:
     assert [transaction for transaction, _, _ in peer.answers] == [2]
 
 
-@pytest.mark.parametrize("garbage", [b"GET / HTTP/1.1\r\n", b"\0\1\0\0\0\1\xff", b"\0\1\0\0\1\0\xff"])
+@pytest.mark.parametrize(
+    "request_bytes",
+    [
+        bytes([16, 1, 0, 0, 124, 248]) + bytes(248),
+        bytes([16, 1, 0, 0, 127, 254]) + bytes(254),
+        bytes([23, 0, 0, 0, 1, 1, 0, 0, 122, 244]) + bytes(244),
+        bytes([23, 0, 0, 0, 1, 1, 0, 0, 127, 255]) + bytes(255),
+    ],
+)
+def test_too_many_registers_are_an_exception_and_the_connection_stays(peer: Peer, request_bytes: bytes) -> None:
+    assert peer.ask(request_bytes) == bytes([0x80 | request_bytes[0], 3])
+    assert peer.ask(client.write(6, 256, 5)) == client.write(6, 256, 5)
+
+
+@pytest.mark.parametrize("garbage", [b"GET / HTTP/1.1\r\n", b"\0\1\0\0\0\1\xff", b"\0\1\0\0\2\0\xff"])
 def test_what_is_no_modbus_closes_the_connection_after_the_answers_due(peer: Peer, garbage: bytes) -> None:
     with pytest.raises(ProtocolError, match="this is no Modbus TCP"):
         peer.send(garbage)

@@ -113,7 +113,7 @@ SPELLED = {
     # imports
     "import dunder": "from math import __loader__\nleak(__loader__)",
     "import as dunder": "import math as __builtins__",
-    "future": "from __future__ import annotations",
+    "future": "import __future__",
 }
 
 

@@ -63,6 +63,16 @@ CONDITIONS = {
         "`while True` in line 2 ends in line 5 when `get_flag(1) and get_flag(2)`, which has been false since 0 s: "
         f"flag[1] is False {STILL}, flag[2] is False {STILL}",
     ),
+    "continue": (
+        ["while True:", "  sync()", "  if not get_flag(1): continue", "  break", "end"],
+        "`while True` in line 2 ends in line 5 when `get_flag(1)`, which has been false since 0 s: "
+        f"flag[1] is False {STILL}",
+    ),
+    "for in a while": (
+        ["while True:", "  if get_flag(1): break", "  for i in range(9):", "    sleep(0.3)", "  end", "end"],
+        "`for i in range(9)` in line 4 is not finished: i is 3; `while True` in line 2 ends in line 3 when "
+        f"`get_flag(1)`, which has been false since 0 s: flag[1] is False {STILL}",
+    ),
     "no end": (["while True: sync()"], "`while True` in line 2 has no end"),
     "counter": (
         ["n = 0", "while n < 9000:", "  sync()", "  n = n + 1", "end"],
@@ -254,6 +264,22 @@ class TestLocks:
 
 def test_a_pause_that_nothing_ends():
     assert because("pause()") == "nothing here resumes it"
+
+
+def test_what_keeps_the_arm_from_moving():
+    robot = VirtualRobot("CS66")
+
+    def act(robot):
+        if robot.tick == 5:
+            robot.set_speed(0)
+
+    text = "def w():\n  while True: sync()\nend\nstart_thread(w, ())\nmovej([0, -1.5, 1.5, -1.5, 1.5, 0])\n"
+    run = robot.run(text, until_s=1.0, watch=act)
+    assert run.why.startswith("main is in line 5, waiting for the end of its move: the speed percentage is 0; w is in")
+    robot = VirtualRobot("CS66")
+    text = "while True:\n  sleep(0.1)\nend\n"
+    run = robot.run(text, until_s=1.0, watch=lambda robot: robot.pause() if robot.tick == 25 else None)
+    assert "main (line 2) is held: the program is paused, and nothing here resumes it" in run.why
 
 
 def test_looking_is_no_reading_of_the_program():

@@ -295,6 +295,8 @@ class TestFiles:
                 assert await sftp.getsize("/tmp/d/a") == 5
                 await sftp.truncate("/tmp/d/a", 2)
                 assert (await sftp.stat("/tmp/d/a")).size == 2
+                await sftp.utime("/tmp/d/a", (900_000_000, 1_000_000_000))
+                assert (await sftp.stat("/tmp/d/a")).mtime == 1_000_000_000
                 await sftp.rename("/tmp/d/a", "/tmp/b")
                 await sftp.rmdir("/tmp/d")
                 assert sorted(await sftp.listdir("/")) == [".", "..", "opt", "tmp"]

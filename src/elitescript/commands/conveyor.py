@@ -11,6 +11,7 @@ from elitescript.errors import ArgumentRangeError
 from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
 from elitescript.messages.motion import Six, StopTracking, TrackCircular, TrackLinear
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -110,7 +111,7 @@ def encoder_enable_pulse_decode(
     decoder = PulseDecoder(decoder_type)
     if decoder is PulseDecoder.QUADRATURE and B in (A, 0):
         raise ArgumentRangeError(
-            f"B must be another input than A ({A}) in quadrature mode, got {B}",
+            said("B must be another input than A ({a}) in quadrature mode, got {b}", a=A, b=B),
             argument="B",
             value=B,
             limit=f"16 to 19, not {A}",
@@ -144,7 +145,10 @@ def track_conveyor_linear(
     x, y, z = direction[:3]
     if x == y == z == 0.0:
         raise ArgumentRangeError(
-            f"direction must have a length: its first three numbers are zero, got {shown(list(direction))}",
+            said(
+                "direction must have a length: its first three numbers are zero, got {direction}",
+                direction=shown(list(direction)),
+            ),
             argument="direction",
             value=list(direction),
             limit="not zero",
@@ -192,5 +196,9 @@ def stop_conveyor_tracking(robot: Robot) -> None:
 def _require_ticks(argument: str, value: float, unit: str) -> None:
     if abs(value) < _FEWEST:
         raise ArgumentRangeError(
-            f"{argument} must not be 0, got {value:g}", argument=argument, value=value, limit="not 0", unit=unit
+            said("{argument} must not be 0, got {value:g}", argument=argument, value=value),
+            argument=argument,
+            value=value,
+            limit="not 0",
+            unit=unit,
         )

@@ -19,6 +19,7 @@ from elitescript.errors import MotionError
 from elitescript.kinematics.inverse import Solution, nearest, reason_unreachable, solutions
 from elitescript.kinematics.transforms import Transform, compose, inverse, pose_from_transform, transform_from_pose
 from elitescript.messages.motion import Six
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Machine, Robot
@@ -64,10 +65,10 @@ def get_inverse_kin(
         return solution.q
     reason = reason_unreachable(machine.arm, T_base_flange)
     if candidates:
-        reason = f"each of the {len(candidates)} solutions has a joint outside its limits"
+        reason = said("each of the {count} solutions has a joint outside its limits", count=len(candidates))
     shown_pose = ", ".join(f"{number:.6g}" for number in p)
     raise MotionError(
-        f"no joint position reaches the pose [{shown_pose}]: {reason}",
+        said("no joint position reaches the pose [{shown_pose}]: {reason}", shown_pose=shown_pose, reason=reason),
         code="R110" if candidates else "R111",
         argument="p",
         value=list(p),

@@ -9,6 +9,7 @@ from elitescript.commands.definition.quantities import Either, Number, Radians, 
 from elitescript.commands.definition.registry import command
 from elitescript.commands.definition.results import STATE
 from elitescript.errors import InvalidValueError
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -223,7 +224,10 @@ def pow(base: Real, exponent: Real) -> Real:
         reason = "is too large for a float"
     except ValueError:
         reason = "is not a real number"
-    raise InvalidValueError(f"{base:g} to the power of {exponent:g} {reason}", value=[base, exponent])
+    raise InvalidValueError(
+        said("{base:g} to the power of {exponent:g} {reason}", base=base, exponent=exponent, reason=reason),
+        value=[base, exponent],
+    )
 
 
 @command(family="math", manual="2.2.22")
@@ -256,7 +260,7 @@ def normalize(v: _Numbers) -> _Numbers:
     """
     if not any(v):
         raise InvalidValueError(
-            f"v is {list(v)}, and a vector of length 0 has no direction",
+            said("v is {v}, and a vector of length 0 has no direction", v=list(v)),
             argument="v",
             value=list(v),
             limit="length > 0",
@@ -281,5 +285,5 @@ def _length(v: tuple[float, ...]) -> float:
 
 def _finite(result: float, what: str) -> float:
     if math.isinf(result):
-        raise InvalidValueError(f"{what} is too large for a float")
+        raise InvalidValueError(said("{what} is too large for a float", what=what))
     return result

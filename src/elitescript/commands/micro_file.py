@@ -13,6 +13,7 @@ from math import isfinite, pi
 from typing import Final
 
 from elitescript.errors import InvalidValueError
+from elitescript.said import said
 
 POINTS_MAX: Final = 1_000_000
 """Points of one file (*assumed*); more than an hour at 4 ms."""
@@ -85,8 +86,10 @@ def _text(data: bytes, name: str) -> str:
 
         line = data.count(b"\n", 0, error.start) + 1
         other = decoded_from(data)
-        hint = None if other is None else f"it looks like {other[1]}; save it as UTF-8"
-        raise InvalidValueError(f"{name}, line {line}: the text is not UTF-8", value=name, hint=hint) from None
+        hint = None if other is None else said("it looks like {other}; save it as UTF-8", other=other[1])
+        raise InvalidValueError(
+            said("{name}, line {line}: the text is not UTF-8", name=name, line=line), value=name, hint=hint
+        ) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -100,10 +103,17 @@ def _separated(text: str) -> list[str]:
 
 def _check_count(count: int, name: str) -> None:
     if count == 0:
-        raise InvalidValueError(f"{name} holds no point; each line has to hold six numbers", value=name)
+        raise InvalidValueError(said("{name} holds no point; each line has to hold six numbers", name=name), value=name)
     if count > POINTS_MAX:
         raise InvalidValueError(
-            f"{name} holds {count} points; at most {POINTS_MAX} are allowed", value=count, limit=f"<= {POINTS_MAX}"
+            said(
+                "{name} holds {count} points; at most {points_max} are allowed",
+                name=name,
+                count=count,
+                points_max=POINTS_MAX,
+            ),
+            value=count,
+            limit=f"<= {POINTS_MAX}",
         )
 
 
@@ -133,12 +143,26 @@ def _check_line(content: str, name: str, line_number: int) -> None:
         words = piece.split()
         if not words:
             raise InvalidValueError(
-                f"{name}, line {line_number}, column {place + 1}: a number is missing next to the comma", value=piece
+                said(
+                    "{name}, line {line_number}, column {place}: a number is missing next to the comma",
+                    name=name,
+                    line_number=line_number,
+                    place=place + 1,
+                ),
+                value=piece,
             )
         start = 0
         for word in words:
             start = piece.index(word, start)
-            _check_number(word, f"{name}, line {line_number}, column {place + start + 1}")
+            _check_number(
+                word,
+                said(
+                    "{name}, line {line_number}, column {place}",
+                    name=name,
+                    line_number=line_number,
+                    place=place + start + 1,
+                ),
+            )
             start += len(word)
         found += words
         place += len(piece) + 1
@@ -147,7 +171,12 @@ def _check_line(content: str, name: str, line_number: int) -> None:
         if len(found) == 2 * _COUNT and "," in content:
             hint = "decimals are written with a point, 0.5, not with a comma"
         raise InvalidValueError(
-            f"{name}, line {line_number}: six numbers are needed, there are {len(found)}",
+            said(
+                "{name}, line {line_number}: six numbers are needed, there are {count}",
+                name=name,
+                line_number=line_number,
+                count=len(found),
+            ),
             value=len(found),
             limit="6",
             hint=hint,
@@ -160,6 +189,10 @@ def _check_number(word: str, place: str) -> None:
         number = float("-" if "_" in word else word)
     except ValueError:
         hint = "separate numbers by blanks or commas, and write nothing else before a #"
-        raise InvalidValueError(f"{place}: {shown} is not a number", value=word[:_SHOWN], hint=hint) from None
+        raise InvalidValueError(
+            said("{place}: {shown} is not a number", place=place, shown=shown), value=word[:_SHOWN], hint=hint
+        ) from None
     if not isfinite(number):
-        raise InvalidValueError(f"{place}: {shown} is not a finite number", value=word[:_SHOWN])
+        raise InvalidValueError(
+            said("{place}: {shown} is not a finite number", place=place, shown=shown), value=word[:_SHOWN]
+        )

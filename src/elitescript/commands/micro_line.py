@@ -18,6 +18,7 @@ from elitescript.kinematics.inverse import reason_unreachable
 from elitescript.kinematics.transforms import compose, inverse, pose_from_transform, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveML, Six
 from elitescript.records import replace
+from elitescript.said import Said, said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -63,7 +64,7 @@ def load_micro_line_file(
     loaded = robot.micro_lines
     if len(loaded) >= INDICES_MAX:
         raise InvalidValueError(
-            f"the program has loaded {INDICES_MAX} files already",
+            said("the program has loaded {indices_max} files already", indices_max=INDICES_MAX),
             value=INDICES_MAX + 1,
             limit=f"<= {INDICES_MAX}",
             hint="load a file once, before the loop that plays it",
@@ -82,7 +83,12 @@ def load_micro_line_file(
     line = MicroLine(file_name, interval_time / 1000, is_cartesian, numbers, file_lines)
     if id(numbers) not in seen and held + len(line) > POINTS_IN_ALL_MAX:
         raise InvalidValueError(
-            f"with the {len(line)} points of {file_name} the program would hold more than {POINTS_IN_ALL_MAX} points",
+            said(
+                "with the {count} points of {file_name} the program would hold more than {limit} points",
+                count=len(line),
+                file_name=file_name,
+                limit=POINTS_IN_ALL_MAX,
+            ),
             value=held + len(line),
             limit=f"<= {POINTS_IN_ALL_MAX}",
         )
@@ -105,7 +111,9 @@ def micro_line_set_pcs(robot: Robot, micro_line_index: Whole, part_coordinate_sy
     if not line.is_cartesian:
         robot.warn_once(
             f"micro_line_set_pcs {line.name}",
-            f"micro_line_set_pcs: {line.name} holds joint positions, to which a part frame does not apply",
+            said(
+                "micro_line_set_pcs: {line} holds joint positions, to which a part frame does not apply", line=line.name
+            ),
         )
     robot.micro_lines[micro_line_index] = replace(line, frame=part_coordinate_system)
 
@@ -146,7 +154,11 @@ def get_micro_line_values_by_index(
     if solution is None:
         reason = reason_unreachable(machine.arm, T_base_flange)
         raise MotionError(
-            f"no joint position reaches {line.place(line_index)}: {reason or 'a joint would be outside its limits'}",
+            said(
+                "no joint position reaches {place}: {reason}",
+                place=line.place(line_index),
+                reason=reason or Said("a joint would be outside its limits"),
+            ),
             code="R110" if candidates else "R111",
             argument="line_index",
             value=line_index,
@@ -178,7 +190,7 @@ def moveml(robot: Robot, micro_line_index: Whole, start_line: _LineNumber = 0, e
     _check_number(line, "end_line", end_line, 0)
     if first > last:
         raise ArgumentRangeError(
-            f"start_line must be at most end_line ({last}), got {first}",
+            said("start_line must be at most end_line ({last}), got {first}", last=last, first=first),
             argument="start_line",
             value=first,
             limit=f"<= {last}",
@@ -193,7 +205,7 @@ def _loaded(robot: Robot, index: int) -> MicroLine:
         return loaded[index]
     limit = f"in [0, {len(loaded) - 1}]" if loaded else "what load_micro_line_file returned"
     raise ArgumentRangeError(
-        f"no file is loaded as {index}",
+        said("no file is loaded as {index}", index=index),
         argument="micro_line_index",
         value=index,
         limit=limit,
@@ -204,7 +216,14 @@ def _loaded(robot: Robot, index: int) -> MicroLine:
 def _check_number(line: MicroLine, argument: str, number: int, low: int) -> None:
     if not low <= number <= len(line):
         raise ArgumentRangeError(
-            f"{argument} must be in [{low}, {len(line)}], the points of {line.name}; got {number}",
+            said(
+                "{argument} must be in [{low}, {count}], the points of {line}; got {number}",
+                argument=argument,
+                low=low,
+                count=len(line),
+                line=line.name,
+                number=number,
+            ),
             argument=argument,
             value=number,
             limit=f"[{low}, {len(line)}]",

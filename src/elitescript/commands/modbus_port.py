@@ -14,6 +14,7 @@ from elitescript.commands.definition.results import SIGNAL
 from elitescript.errors import MirroredAddressError
 from elitescript.messages.machine import WritePortCoils, WritePortRegisters
 from elitescript.messages.signals import WORD_MAX
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -88,4 +89,9 @@ def _write(robot: Robot, name: str, request: WritePortCoils | WritePortRegisters
         robot.request(request)
     except MirroredAddressError as error:
         hint = "docs/reference/modbus.md lists what can be set"
-        robot.warn_once(f"{name} {request.first}", f"{name}: {error}; nothing changes", code="W260", hint=hint)
+        robot.warn_once(
+            f"{name} {request.first}",
+            said("{name}: {error}; nothing changes", name=name, error=error),
+            code="W260",
+            hint=hint,
+        )

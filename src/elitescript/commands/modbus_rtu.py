@@ -27,6 +27,7 @@ from elitescript.commands.definition.registry import Function, alias, command
 from elitescript.commands.definition.results import DONE, RECEIVED, WRITTEN
 from elitescript.commands.serial import CABINET_PORT, TOOL_PORT, CabinetPort, cabinet_device
 from elitescript.errors import ArgumentRangeError
+from elitescript.said import said
 
 READ_COILS: Final = 1
 READ_DISCRETE_INPUTS: Final = 2
@@ -339,7 +340,7 @@ def _write(robot: Robot, device: str, function: int, slave: int, address: int, d
     values = tuple(map(int, data if isinstance(data, tuple) else (data,)))
     most = _WRITTEN_MAX.get(function, 1)
     if not 1 <= len(values) <= most:
-        text = f"data must have 1 to {most} elements, got {len(values)}"
+        text = said("data must have 1 to {most} elements, got {count}", most=most, count=len(values))
         raise ArgumentRangeError(text, argument="data", value=len(values), limit=f"1 to {most} elements")
     _check_end(address, len(values))
     is_polled = type(timeout_s) is not UsualTimeOut
@@ -349,5 +350,10 @@ def _write(robot: Robot, device: str, function: int, slave: int, address: int, d
 
 def _check_end(address: int, count: int) -> None:
     if address + count > _ADDRESSES:
-        text = f"{count} from address {address} on go beyond the last address, {_ADDRESSES - 1}"
+        text = said(
+            "{count} from address {address} on go beyond the last address, {addresses}",
+            count=count,
+            address=address,
+            addresses=_ADDRESSES - 1,
+        )
         raise ArgumentRangeError(text, value=address + count - 1, limit=f"<= {_ADDRESSES - 1}")

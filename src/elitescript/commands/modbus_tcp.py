@@ -12,6 +12,7 @@ from elitescript.commands.definition.quantities import Bool, Boolean, Either, In
 from elitescript.commands.definition.registry import command
 from elitescript.commands.definition.results import STATE, Result
 from elitescript.errors import ArgumentRangeError, InvalidValueError
+from elitescript.said import said
 
 _WRITE_SINGLE_REGISTER: Final = 6
 _INPUTS: Final = (0, 2)
@@ -73,7 +74,7 @@ def modbus_add_signal(
     _check_end("registers_count", signal_address, registers_count)
     slave = _slave(slave_number)
     if slave == _BROADCAST and signal_type in _INPUTS:
-        text = f"a broadcast gets no answer: the MODBUS signal {signal_name!r} stays at 0"
+        text = said("a broadcast gets no answer: the MODBUS signal {signal_name!r} stays at 0", signal_name=signal_name)
         robot.warn_once(f"broadcast {signal_name}", text)
     robot.modbus.add(
         IP, port, signal_name, signal_type, slave, signal_address, registers_count, is_sequential=issequential
@@ -126,7 +127,12 @@ def modbus_add_rw_signal(
     _check_end("write_register_count", write_address, write_register_count)
     if write_register_count > _WRITE_MAX:
         what, count = "write_register_count", write_register_count
-        text = f"{what} must be <= {_WRITE_MAX}, as more do not fit into a request, got {count}"
+        text = said(
+            "{what} must be <= {write_max}, as more do not fit into a request, got {count}",
+            what=what,
+            write_max=_WRITE_MAX,
+            count=count,
+        )
         raise InvalidValueError(text, argument=what, value=count, limit=f"<= {_WRITE_MAX}")
     robot.modbus.add_read_write(
         IP,
@@ -192,14 +198,21 @@ def modbus_send_custom_command(
     is_old = robot.profile.release <= (2, 10)
     if is_old and function_code != _WRITE_SINGLE_REGISTER:
         raise ArgumentRangeError(
-            f"function_code must be {_WRITE_SINGLE_REGISTER} in firmware {robot.profile.name}, got {function_code}",
+            said(
+                "function_code must be {only} in firmware {profile}, got {function_code}",
+                only=_WRITE_SINGLE_REGISTER,
+                profile=robot.profile.name,
+                function_code=function_code,
+            ),
             argument="function_code",
             value=function_code,
             limit=str(_WRITE_SINGLE_REGISTER),
         )
     _check_names(IP)
     if len(data) > _DATA_MAX:
-        text = f"data has {len(data)} bytes, at most {_DATA_MAX} fit behind a function code"
+        text = said(
+            "data has {count} bytes, at most {data_max} fit behind a function code", count=len(data), data_max=_DATA_MAX
+        )
         raise InvalidValueError(text, argument="data", value=len(data), limit=f"<= {_DATA_MAX}", unit="bytes")
     slave = _slave(slave_number) if is_old else slave_number
     robot.modbus.request(IP, port, slave, function_code, bytes(data), is_once=oneshot)
@@ -353,7 +366,13 @@ def _check_names(address: str, name: str | None = None) -> None:
 def _check_end(name: str, first: int, count: int) -> None:
     room = _ADDRESSES - first
     if count > room:
-        text = f"{name} must be <= {room}, as the last address is {_ADDRESSES - 1}, got {count}"
+        text = said(
+            "{name} must be <= {room}, as the last address is {addresses}, got {count}",
+            name=name,
+            room=room,
+            addresses=_ADDRESSES - 1,
+            count=count,
+        )
         raise InvalidValueError(text, argument=name, value=count, limit=f"<= {room}")
 
 
@@ -363,5 +382,7 @@ def _slave(number: int) -> int:
 
 def _values(name: str, value: Any) -> tuple[Any, ...]:
     if value == ():
-        raise InvalidValueError(f"{name} is an empty list", argument=name, value=[], limit=">= 1 element")
+        raise InvalidValueError(
+            said("{name} is an empty list", name=name), argument=name, value=[], limit=">= 1 element"
+        )
     return value if isinstance(value, tuple) else (value,)

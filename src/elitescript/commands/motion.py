@@ -23,6 +23,7 @@ from elitescript.commands.definition.quantities import (
 )
 from elitescript.commands.definition.registry import command
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, StopJ, StopL
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -38,7 +39,7 @@ def blend_radius(robot: Robot, r: float) -> float:
 
 def negative_radius_text(r: float) -> str:
     """Return the message about a blend radius below 0, before and during the run."""
-    return f"r = {r:g} m is taken for 0: the arm stops at the waypoint"
+    return said("r = {r:g} m is taken for 0: the arm stops at the waypoint", r=r)
 
 
 NEGATIVE_RADIUS_HINT = "write r=0 to stop there"

@@ -26,6 +26,7 @@ from elitescript.errors import InvalidValueError
 from elitescript.kinematics.pose import frame_from_points
 from elitescript.messages.machine import SetClientSensor, SetOption
 from elitescript.messages.motion import MoveP
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -117,7 +118,9 @@ def cal_rpy_frame(
     for name, point in (("origin", origin), ("x_axis", x_axis), ("y_axis", y_axis)):
         if len(point) not in (3, 6):
             raise InvalidValueError(
-                f"{name} must have 3 or 6 elements, got {len(point)}", argument=name, value=list(point)
+                said("{name} must have 3 or 6 elements, got {count}", name=name, count=len(point)),
+                argument=name,
+                value=list(point),
             )
     try:
         return frame_from_points(origin, x_axis, y_axis)

@@ -10,6 +10,7 @@ from elitescript.commands.definition.registry import command
 from elitescript.commands.definition.results import COMMANDED
 from elitescript.messages.machine import SetGravity, SetPayload, SetTcp
 from elitescript.messages.motion import Six
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -71,8 +72,11 @@ def set_payload(
         if not is_inertia_of_a_body(inertia):
             robot.warn_once(
                 "set_payload inertia",
-                f"set_payload: no body has the inertia {list(inertia)} kg*m^2: a principal moment is negative or "
-                "larger than the sum of the other two; the order is [Ixx, Iyy, Izz, Ixy, Ixz, Iyz]",
+                said(
+                    "set_payload: no body has the inertia {inertia} kg*m^2: a principal moment is negative "
+                    "or larger than the sum of the other two; the order is [Ixx, Iyy, Izz, Ixy, Ixz, Iyz]",
+                    inertia=list(inertia),
+                ),
             )
 
 
@@ -109,5 +113,8 @@ def set_gravity(robot: Robot, d: Annotated[tuple[float, float, float], Vector(Nu
     size, (low, high) = hypot(*d), GRAVITY_RANGE
     if not low <= size <= high:
         robot.warn_once(
-            "set_gravity", f"set_gravity: d is {size:g} m/s^2 long; on earth it is 9.82, and points away from the earth"
+            "set_gravity",
+            said(
+                "set_gravity: d is {size:g} m/s^2 long; on earth it is 9.82, and points away from the earth", size=size
+            ),
         )

@@ -26,6 +26,7 @@ from elitescript.commands.definition.registry import alias, command
 from elitescript.commands.definition.results import DONE, STATE, WRITTEN, Result
 from elitescript.errors import ArgumentRangeError
 from elitescript.messages.line import LineSettings
+from elitescript.said import said
 
 TOOL_PORT: Final = "tool"
 CABINET_PORT: Final = "/dev/ttymxc0"
@@ -60,7 +61,12 @@ def cabinet_device(robot: Robot, port: str) -> str:
         ArgumentRangeError: the firmware does not have it.
     """
     if port == _SECOND_PORT and robot.profile.release < _SECOND_PORT_SINCE:
-        text = f"port must be {CABINET_PORT!r}, got {port!r}, which firmware {robot.profile.name} does not have"
+        text = said(
+            "port must be {cabinet_port!r}, got {port!r}, which firmware {profile} does not have",
+            cabinet_port=CABINET_PORT,
+            port=port,
+            profile=robot.profile.name,
+        )
         raise ArgumentRangeError(text, argument="port", value=port, limit=CABINET_PORT)
     return port
 
@@ -194,7 +200,11 @@ def serial_config(
         robot.lines.disable(device)
         return True
     if modbus_rtu and size != _MODBUS_SIZE:
-        text = f"serial_config: size must be {_MODBUS_SIZE} bit with modbus_rtu, got {size}; nothing was changed"
+        text = said(
+            "serial_config: size must be {modbus_size} bit with modbus_rtu, got {size}; nothing was changed",
+            modbus_size=_MODBUS_SIZE,
+            size=size,
+        )
         robot.warn_once(f"serial_config {device}", text)
         return False
     return robot.lines.enable(device, LineSettings(baud, parity_bit, stop_bit, size), is_modbus=modbus_rtu)

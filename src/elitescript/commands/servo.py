@@ -8,6 +8,7 @@ from elitescript.commands.definition.quantities import JointPositions, Number, O
 from elitescript.commands.definition.registry import command
 from elitescript.messages.motion import ServoJ
 from elitescript.messages.timing import PERIOD_S
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -53,8 +54,13 @@ def servoj(
     if t_s < profile.servoj_t_s:
         robot.warn_once(
             "servoj period",
-            f"servoj: t is {t_s:g} s; firmware {profile.name} documents {profile.servoj_t_s:g} s, and what the real "
-            "robot does with a shorter one is not known",
+            said(
+                "servoj: t is {t_s:g} s; firmware {profile} documents {servoj_t_s:g} s, and what the "
+                "real robot does with a shorter one is not known",
+                t_s=t_s,
+                profile=profile.name,
+                servoj_t_s=profile.servoj_t_s,
+            ),
         )
     used_gain = _limited(robot, "gain", gain, *GAIN, "") if profile.is_servoj_gain_used else _STANDARD_GAIN
     robot.move(ServoJ(q, t_s, lookahead_s, used_gain))
@@ -65,6 +71,13 @@ def _limited(robot: Robot, name: str, value: float, low: float, high: float | No
     if used != value:
         bounds = f">= {low:g}" if high is None else f"in [{low:g}, {high:g}]"
         robot.warn_once(
-            f"servoj {name}", f"servoj: {name} must be {bounds} {unit}".rstrip() + f", got {value:g}; {used:g} is used"
+            f"servoj {name}",
+            said(
+                "servoj: {name} must be {bounds}, got {value:g}; {used:g} is used",
+                name=name,
+                bounds=f"{bounds} {unit}".rstrip(),
+                value=value,
+                used=used,
+            ),
         )
     return used

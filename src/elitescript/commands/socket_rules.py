@@ -10,6 +10,7 @@ import codecs
 from typing import Any, Final
 
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
+from elitescript.said import said
 
 TEXT_MAX: Final = 2047
 """Bytes that `socket_read_string` returns at once."""
@@ -40,7 +41,7 @@ class Counted:
 
     def lacks(self, data: bytes) -> tuple[str, str]:
         """Return how much of it has come; see `messages.observations.ReadingEnded`."""
-        return "count", f"{len(data)} of {self._number * self._size} bytes"
+        return "count", said("{count} of {number} bytes", count=len(data), number=self._number * self._size)
 
 
 def integers(number: int) -> Counted:

@@ -27,6 +27,7 @@ from elitescript.commands.definition.results import DONE, RECEIVED, STATE, Resul
 from elitescript.commands.strings import to_str
 from elitescript.errors import ArgumentRangeError
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
+from elitescript.said import said
 
 _DEFAULT_SOCKET: Final = "socket_0"
 _LINE_ENDS: Final = ("\n", "\r", "\r\n")
@@ -213,7 +214,7 @@ def socket_send_byte(
     """
     if isinstance(value, str) and len(value) > 1:
         raise ArgumentRangeError(
-            f"value must be a number or one character, got {value!r}",
+            said("value must be a number or one character, got {value!r}", value=value),
             argument="value",
             value=value,
             limit="at most 1 character",
@@ -300,7 +301,7 @@ def _mark(words: str, argument: str) -> bytes:
     mark = words.encode("utf-8", "replace")
     if len(mark) > rules.TEXT_MAX:
         limit = f"at most {rules.TEXT_MAX} bytes"
-        text = f"{argument} must have {limit}, got {len(mark)}"
+        text = said("{argument} must have {limit}, got {count}", argument=argument, limit=limit, count=len(mark))
         raise ArgumentRangeError(text, argument=argument, value=words, limit=limit, unit="byte")
     return mark
 

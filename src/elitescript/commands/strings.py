@@ -14,6 +14,7 @@ from elitescript.commands.definition.quantities import Anything, Bool, Integer, 
 from elitescript.commands.definition.registry import command
 from elitescript.commands.definition.results import Result
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError, InvalidValueError
+from elitescript.said import said
 
 LONGEST: Final = 1023
 """Bytes in UTF-8 that `to_str` and `str_cat` can return."""
@@ -169,7 +170,7 @@ def to_num(str: Str) -> Annotated[Any, Anything("int or float"), Result("compute
 
     match = re.fullmatch(_NUMBER, str.strip(" \t\r\n"), re.IGNORECASE | re.ASCII)
     if match is None:
-        raise InvalidValueError(f"{shown(str)} is not a number", argument="str", value=str)
+        raise InvalidValueError(said("{text} is not a number", text=shown(str)), argument="str", value=str)
     sign, hexadecimal, decimal, real = match.groups()
     try:
         if hexadecimal or decimal:
@@ -178,7 +179,7 @@ def to_num(str: Str) -> Annotated[Any, Anything("int or float"), Result("compute
     except ValueError:
         number = float("inf")
     if isinf(number) and (real or decimal):
-        raise InvalidValueError(f"{shown(str)} is too large a number", argument="str", value=str)
+        raise InvalidValueError(said("{text} is too large a number", text=shown(str)), argument="str", value=str)
     return number
 
 
@@ -210,7 +211,10 @@ def _check_position(src: str, index: int, last: int) -> None:
     if index > last:
         limit = f"in [0, {last}]"
         raise ArgumentRangeError(
-            f"index must be {limit}, got {index}; src is {shown(src)}", argument="index", value=index, limit=limit
+            said("index must be {limit}, got {index}; src is {src}", limit=limit, index=index, src=shown(src)),
+            argument="index",
+            value=index,
+            limit=limit,
         )
 
 
@@ -229,7 +233,12 @@ def _scalar_written(value: Any) -> str:
         return "9" * (LONGEST + 1)
     if not isinstance(value, _SCALARS):
         raise ArgumentTypeError(
-            f"what is written holds values of built-in types, not {type(value).__name__} {shown(value)}", value=value
+            said(
+                "what is written holds values of built-in types, not {name} {value}",
+                name=type(value).__name__,
+                value=shown(value),
+            ),
+            value=value,
         )
     return repr(value)
 
@@ -281,6 +290,9 @@ def _pieces(container: Any) -> Iterator[Any]:
 def _fitting(text: str) -> str:
     if len(text.encode("utf-8", "surrogatepass")) > LONGEST:
         raise InvalidValueError(
-            f"the text would be longer than {LONGEST} bytes", value=text, limit=f"<= {LONGEST}", unit="bytes"
+            said("the text would be longer than {longest} bytes", longest=LONGEST),
+            value=text,
+            limit=f"<= {LONGEST}",
+            unit="bytes",
         )
     return text

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from elitescript.commands.definition.quantities import Bool, Quantity, Whole
 from elitescript.commands.definition.registry import command
 from elitescript.commands.definition.results import HANDLE
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -41,7 +42,7 @@ class _Arguments(Quantity):
         if not isinstance(value, (tuple, list)):
             error = self.wrong_type(value, "a tuple")
             written = value if isinstance(value, (bool, int, float)) else "x"
-            error.hint = f"a tuple of one element needs a comma: ({written},)"
+            error.hint = said("a tuple of one element needs a comma: ({written},)", written=written)
             raise error
         return tuple(value)
 

@@ -75,6 +75,7 @@ from elitescript.messages.yielding import EndForceMode, EndFreedrive, YieldReque
 from elitescript.models.model import RobotModel
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import SpeedProfile
+from elitescript.said import Said, said
 
 if TYPE_CHECKING:
     from elitescript.controller.signals.signal_watch import SignalWatch
@@ -746,8 +747,17 @@ class Controller:
     def _write_overridden(self, name: str, index: int, level: Value) -> None:
         point = signal_name(SIGNALS[name], index)
         state = "runs" if self.task.is_running else "does not run"
-        shown = f"stays {'high' if level else 'low'}" if isinstance(level, bool) else f"stays at {level:g}"
-        text = f"{point} {shown}: the write has no effect while the task {state}, as the output is tied to that"
+        shown = (
+            Said("stays high" if level else "stays low")
+            if isinstance(level, bool)
+            else said("stays at {level:g}", level=level)
+        )
+        text = said(
+            "{point} {shown}: the write has no effect while the task {state}, as the output is tied to that",
+            point=point,
+            shown=shown,
+            state=state,
+        )
         thread, line = self.task.program.caller
         hint = "set_runstate_…_to_value with runstate 0 unties it"
         self.emit(Warned(self._tick, text, thread, line, "W271", hint))

@@ -16,6 +16,7 @@ from elitescript.errors import ArmNotReadyError, ScriptStateError, UsageError
 from elitescript.messages.enums import RobotMode
 from elitescript.messages.timing import ticks_for
 from elitescript.records import record
+from elitescript.said import said
 
 OFF, ON, BOOTING = RobotMode.POWER_OFF, RobotMode.POWER_ON, RobotMode.BOOTING
 IDLE, RUNNING = RobotMode.IDLE, RobotMode.RUNNING
@@ -110,7 +111,7 @@ class Power:
         """
         why = WHY_NOT_READY.get(OFF if self.is_going_off else self.mode)
         if why is not None:
-            raise ArmNotReadyError(f"the arm cannot move: {why}", code="R115", hint=SWITCH_ON)
+            raise ArmNotReadyError(said("the arm cannot move: {why}", why=why), code="R115", hint=SWITCH_ON)
 
     def go_up(self, goal: RobotMode, tick: int) -> None:
         """Power on, and for the goal `RUNNING` release the brakes, where necessary.
@@ -156,6 +157,8 @@ class Power:
         """
         after = TRANSITIONS.get((self.mode, action))
         if after is None:
-            raise ScriptStateError(f"cannot {action.replace('_', ' ')} while the robot is {self.mode.name}")
+            raise ScriptStateError(
+                said("cannot {action} while the robot is {mode}", action=action.replace("_", " "), mode=self.mode.name)
+            )
         self.mode = after
         self._on_change(after)

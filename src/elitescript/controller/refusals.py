@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
+from elitescript.errors import text_of
 from elitescript.messages import machine
+from elitescript.said import Said, said
 
 ACTIONS: Final[dict[type, str]] = {
     machine.WriteSignal: "set {0.name}[{0.index}] to {0.value}",
@@ -51,7 +53,8 @@ def refusal_text(request: machine.MachineRequest, error: Exception) -> str:
         request: the request.
         error: the reason, perhaps with a `hint`.
     """
-    why, hint = str(error), getattr(error, "hint", None)
+    why, hint = text_of(error), getattr(error, "hint", None)
     if not why.startswith("cannot "):
-        why = f"cannot {ACTIONS[type(request)].format(request)}: {why}"
-    return f"{why}; {hint}" if hint else why
+        action = ACTIONS[type(request)].format(request)
+        why = said("cannot {action}: {why}", action=action if "[" in action else Said(action), why=why)
+    return said("{why}; {hint}", why=why, hint=hint) if hint else why

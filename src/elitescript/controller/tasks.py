@@ -11,6 +11,7 @@ from typing import Any, Final, Protocol
 from elitescript.errors import ScriptStateError
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm
+from elitescript.said import said
 
 
 class ProgramPort(Protocol):
@@ -179,4 +180,6 @@ class Task:
             ScriptStateError: the table does not have it; the reason is in the text.
         """
         if (self.state, action) not in TRANSITIONS:
-            raise ScriptStateError(f"cannot {action}: {REFUSALS[self.state, action]}")
+            raise ScriptStateError(
+                said("cannot {action}: {refusals}", action=action, refusals=REFUSALS[self.state, action])
+            )

@@ -12,6 +12,7 @@ from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.state import ZERO_SIX, Payload
 from elitescript.models.model import RobotModel
+from elitescript.said import said
 
 
 class Setup:
@@ -44,7 +45,12 @@ class Setup:
         """
         if not 0.0 <= request.mass_kg <= self._model.payload_max_kg:
             raise ArgumentRangeError(
-                f"the {self._model.name} carries 0 to {self._model.payload_max_kg:g} kg, not {request.mass_kg:g} kg",
+                said(
+                    "the {model} carries 0 to {payload_max_kg:g} kg, not {mass_kg:g} kg",
+                    model=self._model.name,
+                    payload_max_kg=self._model.payload_max_kg,
+                    mass_kg=request.mass_kg,
+                ),
                 value=request.mass_kg,
                 limit=f"[0, {self._model.payload_max_kg:g}]",
                 unit="kg",

@@ -538,7 +538,7 @@ ROBOT_VALUES: Final[dict[str, Callable[[Controller], Any]]] = {
 
 
 def _whole(place: str, values: tuple[float, ...]) -> Indexed:
-    return Indexed(values.__getitem__, values, PLACES[place].elements)
+    return Indexed(list(values).__getitem__, values, PLACES[place].elements)
 
 
 def _motion(source: Any) -> str:

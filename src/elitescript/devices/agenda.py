@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from elitescript.errors import ElitescriptError
 from elitescript.messages.timing import seconds
+from elitescript.said import said
 
 CAPACITY: Final = 200_000
 """Most entries that may wait."""
@@ -63,7 +64,12 @@ class Agenda:
             DeviceError: too much waits already.
         """
         if len(self._due) >= CAPACITY:
-            raise DeviceError(f"{CAPACITY} things wait to happen in the virtual world, and one more was asked for")
+            raise DeviceError(
+                said(
+                    "{capacity} things wait to happen in the virtual world, and one more was asked for",
+                    capacity=CAPACITY,
+                )
+            )
         self._sequence += 1
         heappush(self._due, (self.tick + after_ticks, self._sequence, act, owner))
 

@@ -11,6 +11,7 @@ from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.events import DeviceNoted, Warned
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import ticks_for
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from random import Random
@@ -252,7 +253,14 @@ class Device:
         if own and not self._has_missed:
             self._has_missed = True
             names = ", ".join(f"{name}()" for name in own[:4])
-            self.warn(f"got {got[:60]!r}, and has no {written} that takes it; nothing calls {names}")
+            self.warn(
+                said(
+                    "got {got!r}, and has no {written} that takes it; nothing calls {names}",
+                    got=got[:60],
+                    written=written,
+                    names=names,
+                )
+            )
 
     # ---------------------------------------------------------------- called by the world
 
@@ -362,7 +370,7 @@ def check_number(name: str, value: object, low: float, high: float, unit: str = 
     Raises:
         UsageError: it is; the text begins with the name of the setting.
     """
-    limits = f"in [{low:g}, {high:g}] {unit}".rstrip()
+    limits = said("in [{low:g}, {high:g}] {unit}", low=low, high=high, unit=unit).rstrip()
     kind = "a whole number" if is_whole else "a number"
     if isinstance(value, bool) or not isinstance(value, int if is_whole else (int, float)):
         raise UsageError(f"{name}: must be {kind} {limits}, got {value!r}")

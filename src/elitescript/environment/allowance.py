@@ -7,6 +7,7 @@ from pathlib import PurePosixPath
 from typing import Final
 
 from elitescript.errors import ScriptPermissionError
+from elitescript.said import said
 
 TASK_DIR_BYTES: Final = 100_000_000
 """Default limit, *assumed*: the manual names none, and a flash card of a controller has a few gigabytes."""
@@ -50,7 +51,9 @@ def check_writable(name: str) -> None:
         path = PurePosixPath(part)
         if part.startswith(".") or part in _STARTED_NAMES or path.suffix in _STARTED_SUFFIXES:
             kind = "hidden files" if part.startswith(".") else "files that other programs run"
-            raise ScriptPermissionError(f"cannot write {name!r}: programs of robots write no {kind}", value=name)
+            raise ScriptPermissionError(
+                said("cannot write {name!r}: programs of robots write no {kind}", name=name, kind=kind), value=name
+            )
 
 
 class Allowance:
@@ -108,4 +111,4 @@ def shown_size(size: int) -> str:
     for power, unit in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
         if size >= power:
             return f"{size / power:.4g} {unit}"
-    return f"{size} bytes"
+    return said("{size} bytes", size=size)

@@ -11,6 +11,7 @@ from elitescript.environment.allowance import Allowance, check_writable
 from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import ScriptPermissionError, UsageError
 from elitescript.runtime.environment import Channels, WholeReads, opened
+from elitescript.said import said
 
 
 class LocalEnvironment:
@@ -116,7 +117,9 @@ class LocalFiles:
         except OSError as error:
             raise _renamed(error, name) from None
         if is_linked:
-            raise ScriptPermissionError(f"cannot write {name!r}: it has another name too (a hard link)", value=name)
+            raise ScriptPermissionError(
+                said("cannot write {name!r}: it has another name too (a hard link)", name=name), value=name
+            )
 
     def _path(self, name: str) -> Path:
         """Return where a name leads once every link on the way is followed.
@@ -128,13 +131,19 @@ class LocalFiles:
             path = (self._root / name).resolve()
             is_special = path.exists() and not (path.is_file() or path.is_dir())
         except RuntimeError:
-            raise ScriptPermissionError(f"cannot open {name!r}: its links go round in circles", value=name) from None
+            raise ScriptPermissionError(
+                said("cannot open {name!r}: its links go round in circles", name=name), value=name
+            ) from None
         except OSError as error:
             raise _renamed(error, name) from None
         if path != self._root and self._root not in path.parents:
-            raise ScriptPermissionError(f"cannot open {name!r}: it leads out of the task folder", value=name)
+            raise ScriptPermissionError(
+                said("cannot open {name!r}: it leads out of the task folder", name=name), value=name
+            )
         if is_special:
-            raise ScriptPermissionError(f"cannot open {name!r}: it is neither a file nor a folder", value=name)
+            raise ScriptPermissionError(
+                said("cannot open {name!r}: it is neither a file nor a folder", name=name), value=name
+            )
         return path
 
 

@@ -16,6 +16,7 @@ from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Final
 
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+from elitescript.said import Said, counted, joined, said
 
 if TYPE_CHECKING:
     from elitescript.environment.network_option import Way
@@ -176,7 +177,7 @@ class LocalChannels:
         from elitescript.environment.addresses import place_of
         from elitescript.environment.tcp_channel import TcpChannel
 
-        self._name_peer(f"the program connects to {place_of(address, port)}", reach.named)
+        self._name_peer(said("the program connects to {place}", place=place_of(address, port)), reach.named)
         self._open[self._last] = TcpChannel(self._last, address, port, reach, decision)
         self._places[self._last] = address, port
 
@@ -200,11 +201,26 @@ class LocalChannels:
         if not self.refused or self._reach is None:
             return ""
         count = sum(self.refused.values())
-        peers = ", ".join(f"{place} ({times} times)" if times > 1 else place for place, times in self.refused.items())
-        subject = "this closed run" if self._is_closed else self._reach.named
-        text = f"{subject} has refused {count} connection{'s' * (count > 1)}: {peers}"
+        peers = joined(
+            ", ",
+            (
+                said("{place} ({times} times)", place=place, times=times) if times > 1 else place
+                for place, times in self.refused.items()
+            ),
+        )
+        subject = Said("this closed run") if self._is_closed else self._reach.named
+        text = said(
+            "{subject} has refused {connections}: {peers}",
+            subject=subject,
+            connections=counted(count, "connection", "connections"),
+            peers=peers,
+        )
         if self._fixes:
-            text += f"; `{self._reach.allowing(self._fixes)}` allows {'it' if len(self._fixes) == 1 else 'them'}"
+            text = said(
+                "{text}; `{option}` allows it" if len(self._fixes) == 1 else "{text}; `{option}` allows them",
+                text=text,
+                option=self._reach.allowing(self._fixes),
+            )
         self.refused, self._fixes = {}, {}
         return text
 
@@ -214,7 +230,9 @@ class LocalChannels:
             return
         self._said.add(text)
         if len(self._said) > PEERS_MAX:
-            text = f"the program reaches more than {PEERS_MAX} peers; further ones are not named"
+            text = said(
+                "the program reaches more than {peers_max} peers; further ones are not named", peers_max=PEERS_MAX
+            )
         self.say(f"{text} ({option})")
 
     def open_line(self, device: str, settings: LineSettings) -> int:
@@ -235,7 +253,10 @@ class LocalChannels:
             return self._last
         from elitescript.environment.serial_channel import SerialChannel
 
-        self._name_peer(f"the program opens the serial port {target}", f"--serial {device}={target}")
+        self._name_peer(
+            said("the program opens the serial port {target}", target=target),
+            f"--serial {device}={target}",
+        )
         self._open[self._last] = SerialChannel(self._last, target, settings)
         return self._last
 
@@ -329,4 +350,4 @@ class LocalChannels:
 
 
 def _words(channel: TcpChannel | SerialChannel, size: int) -> str:
-    return f"{size} byte{'s' * (size != 1)} to {channel.place}"
+    return said("{bytes} to {place}", bytes=counted(size, "byte", "bytes"), place=channel.place)

@@ -34,6 +34,7 @@ from elitescript.environment.addresses import (
 from elitescript.environment.network_option import COMMAND_LINE, Way
 from elitescript.errors import UsageError
 from elitescript.records import NamedTuple
+from elitescript.said import said
 from elitescript.shown import printable
 
 OPTION: Final = "--network"
@@ -89,14 +90,19 @@ class Reach:
         """Decide on an address that a program names; nothing is looked up."""
         if len(name) > HOST_MAX:
             # A name server is not asked for what cannot be a name.
-            return self._refused(name, port, f"it has {len(name)} characters, and a name {HOST_MAX} at most", "")
+            return self._refused(
+                name,
+                port,
+                said("it has {count} characters, and a name {host_max} at most", count=len(name), host_max=HOST_MAX),
+                "",
+            )
         rows = _rows(LOOPBACK, port) if plain_name(name) == LOCAL_HOST else numeric(name, port)
         if rows:
             return self.among(rows, name, port)
         if self._has_all or any(rule.names(name, port) for rule in self._rules):
             return Decision([], is_name=True)
         subject = "a closed run" if self._is_closed else self.named
-        return self._refused(name, port, f"it is a name, which {subject} does not look up", name)
+        return self._refused(name, port, said("it is a name, which {subject} does not look up", subject=subject), name)
 
     def among(self, rows: Rows, name: str, port: int) -> Decision:
         """Decide on what a name, or another way to write an address, stands for."""
@@ -110,15 +116,20 @@ class Reach:
         if not kind:
             nothing = "not beside the robot" + ", and this run is closed" * self._is_closed
             kind = nothing if self._has_none else "neither beside the robot nor a loopback address"
-        what = "it is" if plain_name(name) == first.lower() else f"it is {first},"
+        what = "it is" if plain_name(name) == first.lower() else said("it is {first},", first=first)
         return self._refused(name, port, f"{what} {kind}", str(address))
 
     def _refused(self, name: str, port: int, why: str, host: str) -> Decision:
         shown = printable(name if len(name) <= _SHOWN else f"{name[:_SHOWN]}...")
         fix = place_of(host, port) if self._can_allow(host, port) else ""
-        hint = f"; `{self.allowing([fix])}` allows it" if fix else ""
-        reason = why + hint
-        return Decision([], why_not=f"not connected to {place_of(shown, port)}: {reason}", fix=fix, reason=reason)
+        hint = said("; `{allowing}` allows it", allowing=self.allowing([fix])) if fix else ""
+        reason = said("{why}{hint}", why=why, hint=hint) if hint else why
+        return Decision(
+            [],
+            why_not=said("not connected to {place}: {reason}", place=place_of(shown, port), reason=reason),
+            fix=fix,
+            reason=reason,
+        )
 
     @property
     def named(self) -> str:

@@ -16,6 +16,7 @@ from elitescript.environment.reach import Decision, Reach
 from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW
+from elitescript.said import said
 
 CLOSING_S: Final = 2.0
 """How long a connection that is closed may take to get rid of what was sent."""
@@ -95,7 +96,9 @@ class TcpChannel:
         self.lost = 0
         if decision.is_name:
             # A name server may take seconds to answer.
-            Thread(target=self._look_up_name, name=f"look up {address!r:.40}", daemon=True).start()
+            Thread(
+                target=self._look_up_name, name=said("look up {address!r:.40}", address=address), daemon=True
+            ).start()
 
     # ---------------------------------------------------------------- connecting
 

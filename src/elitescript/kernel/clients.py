@@ -9,6 +9,7 @@ from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.options import given_ticks
 from elitescript.messages.events import DeviceNoted
 from elitescript.protocol.transport import MemoryTransport
+from elitescript.said import said
 
 EXPECT_S: Final = 1.0
 """How long `Client.expect` waits by default, s of robot time."""
@@ -165,7 +166,7 @@ class Clients:
 
     def _report(self, transport: MemoryTransport) -> None:
         if transport.error:
-            text = f"closed: {transport.error}"
+            text = said("closed: {reason}", reason=transport.error)
             self._robot.emit(DeviceNoted(self._robot.present_tick, transport.connection.origin, text, True))
 
 

@@ -18,6 +18,7 @@ from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelEvent
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
 from elitescript.runtime.environment import Channels, Files
+from elitescript.said import said
 from elitescript.untrusted.plain_text import without_mark
 
 WORD: Final = "external_control"
@@ -115,7 +116,7 @@ class Fetch:
             self._last_tick = tick
             self._channels.credit(self.channel, len(event.data))
             if len(self.data) > MAX_UNIT_BYTES:
-                self._failure = f"the program is longer than {MAX_UNIT_BYTES} bytes"
+                self._failure = said("the program is longer than {max_unit_bytes} bytes", max_unit_bytes=MAX_UNIT_BYTES)
         elif isinstance(event, ChannelClosed):
             self.channel = 0
             self._is_over = True
@@ -129,14 +130,21 @@ class Fetch:
         if not self._abandoned and not self._failure and not self._is_whole(tick):
             if tick - self._start_tick < FETCH_TICKS:
                 return None
-            self._failure = f"it has not come within {FETCH_TICKS / TICKS_PER_S:g} s"
+            self._failure = said("it has not come within {fetch_ticks:g} s", fetch_ticks=FETCH_TICKS / TICKS_PER_S)
         self.close()
         if self._abandoned:
-            raise ConnectionError(0, f"{self._abandoned} before its program had come")
+            raise ConnectionError(0, said("{abandoned} before its program had come", abandoned=self._abandoned))
         if not self._failure and not self.data.strip():
             self._failure = "it has sent nothing"
         if self._failure:
-            raise ConnectionError(0, f"no program from {self.sender}: {self._failure}; is the client running?")
+            raise ConnectionError(
+                0,
+                said(
+                    "no program from {sender}: {failure}; is the client running?",
+                    sender=self.sender,
+                    failure=self._failure,
+                ),
+            )
         return bytes(self.data)
 
     def abandon(self, why: str) -> None:

@@ -65,6 +65,7 @@ from elitescript.messages.signals import SIGNALS
 from elitescript.records import replace
 from elitescript.runtime.connections.serial_line import close_lines
 from elitescript.runtime.environment import ProgramEnvironment
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.devices.channels.faulty_channels import FaultyChannels
@@ -265,7 +266,7 @@ class InputHandlers:
         try:
             self._disturb(item.fault)
         except UsageError as error:
-            self._controller.emit(Warned(self._controller.tick, f"fault refused: {error}"))
+            self._controller.emit(Warned(self._controller.tick, said("fault refused: {error}", error=error)))
             self._reply(item.origin, Refused(str(error)))
         else:
             self._reply(item.origin, Done())

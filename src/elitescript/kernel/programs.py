@@ -33,6 +33,7 @@ from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import SECONDARY_WARNING, ScriptHost
 from elitescript.runtime.names.bindings import is_known
 from elitescript.runtime.probe import Probe, noted, probed
+from elitescript.said import Said, counted, said
 
 PROBLEMS_MAX: Final = 20
 """Further problems of one text that go to the log."""
@@ -163,8 +164,18 @@ class Programs:
         if not self._order.must_wait(item, self._controller.tick):
             return False
         if not self._order.put(item):
-            what = _words(item.text, item.origin) if isinstance(item, RunUnit) else f"a command of {item.origin}"
-            self._warn(f"{what} is lost: {WAITING_MAX} programs, lines and commands wait already, or too much text")
+            what = (
+                _words(item.text, item.origin)
+                if isinstance(item, RunUnit)
+                else said("a command of {origin}", origin=item.origin)
+            )
+            self._warn(
+                said(
+                    "{what} is lost: {waiting_max} programs, lines and commands wait already, or too much text",
+                    what=what,
+                    waiting_max=WAITING_MAX,
+                )
+            )
         return True
 
     def drop(self, why: str) -> None:
@@ -178,9 +189,9 @@ class Programs:
         if self._begun and self._host.is_running and not self._host.has_begun:
             lost.insert(0, self._begun)
         for words in lost[:PROBLEMS_MAX]:
-            self._warn(f"{words} did not run: {why}")
+            self._warn(said("{words} did not run: {why}", words=words, why=why))
         if more := len(lost[PROBLEMS_MAX:]):
-            self._warn(f"{more} more programs and lines did not run: {why}")
+            self._warn(said("{more} more programs and lines did not run: {why}", more=more, why=why))
 
     def _run(self, unit: RunUnit) -> None:
         """Run a unit: a program or a line replaces what runs, a secondary program runs beside it.
@@ -207,7 +218,7 @@ class Programs:
             return
         if unit.kind == LINE and (name := self._missing_name(unit.text)):
             if self._invalid_lines.is_reported(unit.origin, self._controller.tick):
-                text = f"name {name!r} is not defined"
+                text = said("name {name!r} is not defined", name=name)
                 self._alarm("R100", "NameError", text, 1, 1, unit.origin, line_kept(unit.text.split("\n", 1)[0], 1))
             return
         self.start(compiled, compiled.name, _words(unit.text, unit.origin))
@@ -255,11 +266,16 @@ class Programs:
             take(self._outcome(job, CheckResult(None, (excess,), job.is_strict)))
             return True
         if self._long_texts.is_full:
-            take(_failure(f"{TEXTS_MAX} programs are being compiled already"))
+            take(_failure(said("{texts_max} programs are being compiled already", texts_max=TEXTS_MAX)))
             return True
         if isinstance(self._probe, Debugging):
             self._probe.reserve(len(text))
-        label = f"{'the secondary program' if kind == SECONDARY else 'the program'} {_label(text)}from {origin}"
+        label = said(
+            "{program} {label}from {origin}",
+            program=Said("the secondary program") if kind == SECONDARY else Said("the program"),
+            label=_label(text),
+            origin=origin,
+        )
         waiting = Waiting(
             job,
             label,
@@ -318,7 +334,9 @@ class Programs:
             self._long_texts.give_up("another program was started", lambda item: item.job.number < self._present)
         task = self._controller.task
         if self._host.is_running and not self._host.has_begun:
-            self._warn(f"{self._begun} did not run: {words} came before its first statement")
+            self._warn(
+                said("{begun} did not run: {words} came before its first statement", begun=self._begun, words=words)
+            )
         task.successor = words
         try:
             self._host.end_now(self._controller.tick)
@@ -341,7 +359,7 @@ class Programs:
             problems.sort(key=lambda problem: not problem.is_error)
         first: Any = problems[0]
         if kind == SECONDARY:
-            self._warn_secondary(f"SyntaxError: {first.text}", first.line, first.hint)
+            self._warn_secondary(said("SyntaxError: {text}", text=first.text), first.line, first.hint)
         else:
             hint = {"hint": first.hint} if first.hint else {}
             self._alarm(first.code, "SyntaxError", first.text, first.line, first.column, origin, "", hint)
@@ -363,11 +381,16 @@ class Programs:
                 continue
             shown += 1
             if kind == SECONDARY and problem.is_error:
-                self._warn_secondary(f"SyntaxError: {problem.text}", problem.line)
+                self._warn_secondary(said("SyntaxError: {text}", text=problem.text), problem.line)
             else:
                 self._controller.emit(_as_event(problem, self._controller.tick))
         if more := len(problems) - shown:
-            self._warn(f"{more} more finding{'' if more == 1 else 's'}: `elitescript check` shows all of them")
+            self._warn(
+                said(
+                    "{findings}: `elitescript check` shows all of them",
+                    findings=counted(more, "more finding", "more findings"),
+                )
+            )
 
     def _missing_name(self, text: str) -> str:
         """Return the name that a line calls if there is nothing of that name; else empty, as for a long line."""
@@ -432,7 +455,7 @@ def _label(text: str) -> str:
 
 def _words(text: str, origin: str) -> str:
     """Return what a unit is and whose, such as `def p64():` of primary#2."""
-    return f"`{shown(text.strip().partition(chr(10))[0].rstrip())}` of {origin}"
+    return said("`{text}` of {origin}", text=shown(text.strip().partition(chr(10))[0].rstrip()), origin=origin)
 
 
 def _merged(problems: Sequence[Diagnostic]) -> list[Diagnostic]:
@@ -448,5 +471,13 @@ def _with_lines(problem: Diagnostic, lines: list[int]) -> Diagnostic:
     if not lines:
         return problem
     found = ", ".join(map(str, lines[:LINES_SHOWN]))
-    more = f" and {len(lines) - LINES_SHOWN} more" if len(lines) > LINES_SHOWN else ""
-    return replace(problem, text=f"{problem.text} (also in line{'s' if len(lines) > 1 else ''} {found}{more})")
+    more = said(" and {count} more", count=len(lines) - LINES_SHOWN) if len(lines) > LINES_SHOWN else ""
+    return replace(
+        problem,
+        text=said(
+            "{text} (also in lines {found}{more})" if len(lines) > 1 else "{text} (also in line {found}{more})",
+            text=problem.text,
+            found=found,
+            more=more,
+        ),
+    )

@@ -30,6 +30,7 @@ from elitescript.messages.snapshot import TaskPicture
 from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
 from elitescript.runtime.environment import ProgramEnvironment, relative_name, without_addresses
 from elitescript.runtime.host import ScriptHost
+from elitescript.said import said
 
 VALUE_MAX: Final = 4096
 """Characters of a value that are shown."""
@@ -190,7 +191,7 @@ class Tasks:
             return work()
         except ProgramError as error:
             self._programs.report(error, None, origin)
-            return Refused(f"the program does not compile: {error.problems[0]}")
+            return Refused(said("the program does not compile: {problems}", problems=error.problems[0]))
         except ScriptError as error:
             return Refused(f"{error}; {error.hint}" if error.hint else str(error))
         except OSError as error:
@@ -223,8 +224,21 @@ class Tasks:
             if found := self._found(candidate):
                 return found
         what = "has no program" if self._files.kind(name) == "file" else "does not exist"
-        missing = f"neither {' nor '.join(candidates)} is" if len(candidates) > 1 else f"{candidates[0]} is not"
-        raise FileNotFoundError(2, f"the task {what}: {missing} in the task folder{self._tasks_there()}", path)
+        missing = (
+            said("neither {candidates} is", candidates=" nor ".join(candidates))
+            if len(candidates) > 1
+            else said("{candidates} is not", candidates=candidates[0])
+        )
+        raise FileNotFoundError(
+            2,
+            said(
+                "the task {what}: {missing} in the task folder{tasks_there}",
+                what=what,
+                missing=missing,
+                tasks_there=self._tasks_there(),
+            ),
+            path,
+        )
 
     def _is_tree(self, name: str) -> bool:
         """Return whether a file is a graphical program: XML, where older tasks here hold a line, or nothing."""
@@ -250,7 +264,8 @@ class Tasks:
 
         source = source_of_data(name, read)
         for note in source.notes:
-            self._controller.emit(Warned(self._controller.tick, f"{name}: {note.text}", code=note.code, hint=note.hint))
+            text = said("{name}: {text}", name=name, text=note.text)
+            self._controller.emit(Warned(self._controller.tick, text, code=note.code, hint=note.hint))
         return source.text.encode("utf-8")
 
     def _found(self, candidate: str) -> str:
@@ -268,8 +283,8 @@ class Tasks:
         """Return what a message adds about the programs that the task folder holds; empty if there are none."""
         names = [name for name in self._files.names("") if is_program_name(name) or self._is_tree(name)]
         shown = ", ".join(names[:_NAMES_SHOWN])
-        more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
-        return f"; it holds {shown}{more}" if names else ""
+        more = said(" and {count} more", count=len(names) - _NAMES_SHOWN) if len(names) > _NAMES_SHOWN else ""
+        return said("; it holds {shown}{more}", shown=shown, more=more) if names else ""
 
     def _load_configuration(self, path: str) -> Outcome:
         if self._files.kind(relative_name(path)) != "file":
@@ -297,7 +312,9 @@ class Tasks:
             return None
         name = self._program_of(self._loaded)
         if self._files.size(name) > MAX_UNIT_BYTES:
-            return Refused(f"{name} is longer than {MAX_UNIT_BYTES} bytes")
+            return Refused(
+                said("{name} is longer than {max_unit_bytes} bytes", name=name, max_unit_bytes=MAX_UNIT_BYTES)
+            )
         if self._is_tree(name):
             return self._start(name, self._script_of_tree(name), origin)
         with self._files.open(name, "rb", None, None) as file:
@@ -318,13 +335,13 @@ class Tasks:
                 self._making = None
                 outcome = self._guarded(lambda: self._begin_made(compiled), origin) or Done()
                 if not making.answer(outcome) and isinstance(outcome, Refused) and isinstance(compiled, CompiledUnit):
-                    text = f"{name} does not begin: {outcome.reason}"
+                    text = said("{name} does not begin: {reason}", name=name, reason=outcome.reason)
                     self._controller.emit(Warned(self._controller.tick, text))
 
         def abandon(why: str) -> None:
             if self._making is making:
                 self._making = None
-                making.answer(Refused(f"{why} before its program was compiled"))
+                making.answer(Refused(said("{why} before its program was compiled", why=why)))
 
         text = SourceFile.from_bytes(name, data).text
         if self._programs.compile(name, text, None, f"{origin}: {name}", take, abandon):
@@ -337,7 +354,7 @@ class Tasks:
             raise compiled
         stem = relative_name(self._loaded).removesuffix(".task")
         stem = stem[: -len(PROGRAM_SUFFIX)] if is_program_name(stem) else stem
-        self._programs.start(compiled, compiled.name or stem, f"the task {self._loaded}")
+        self._programs.start(compiled, compiled.name or stem, said("the task {loaded}", loaded=self._loaded))
         return Done()
 
     def _begin_made(self, compiled: CompiledUnit | ProgramError) -> Outcome:
@@ -372,7 +389,7 @@ class Tasks:
             return Refused("its value must be a literal, such as 1.5, True, 'text' or [1, 2]")
         presets = self._programs.presets
         if name not in presets and len(presets) >= PRESETS_MAX:
-            return Refused(f"{PRESETS_MAX} variables wait already")
+            return Refused(said("{presets_max} variables wait already", presets_max=PRESETS_MAX))
         presets[name] = literal
         return Done()
 

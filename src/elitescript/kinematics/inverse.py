@@ -29,6 +29,7 @@ from elitescript.kinematics.limits import (
 )
 from elitescript.kinematics.transforms import Transform
 from elitescript.records import NamedTuple, replace
+from elitescript.said import said
 
 BRANCHES: Final = 8
 
@@ -134,9 +135,11 @@ def reason_unreachable(arm: Arm, T_base_flange: Transform) -> str:
     wy = T_base_flange[10] - arm.d6 * T_base_flange[5]
     rho = sqrt(wx * wx + wy * wy)
     if rho < arm.d4 - REACH_TOLERANCE_M:
-        return (
-            f"too near the base axis by {_metres(arm.d4 - rho)}: the wrist centre would be {_metres(rho)} "
-            f"from it, at least {_metres(arm.d4)} is possible"
+        return said(
+            "too near the base axis by {miss}: the wrist centre would be {rho} from it, at least {least} is possible",
+            miss=_metres(arm.d4 - rho),
+            rho=_metres(rho),
+            least=_metres(arm.d4),
         )
     # Orientation and q1 are exact in these candidates, so what they miss is the length of the triangle.
     miss, q3 = inf, 0.0
@@ -151,14 +154,19 @@ def reason_unreachable(arm: Arm, T_base_flange: Transform) -> str:
         return "at the border of the workspace, where the calibrated arm does not reach"
     if cos(q3) > 0.0:
         reach = -(arm.a2 + arm.a3)
-        return (
-            f"too far by {_metres(miss)}: wrist joint 1 would be {_metres(reach + miss)} "
-            f"from the shoulder joint, at most {_metres(reach)} is possible"
+        return said(
+            "too far by {miss}: wrist joint 1 would be {reach} from the shoulder joint, at most {most} is possible",
+            miss=_metres(miss),
+            reach=_metres(reach + miss),
+            most=_metres(reach),
         )
     least = abs(arm.a2 - arm.a3)
-    return (
-        f"folded too far by {_metres(miss)}: wrist joint 1 would be {_metres(least - miss)} "
-        f"from the shoulder joint, at least {_metres(least)} is possible"
+    return said(
+        "folded too far by {miss}: wrist joint 1 would be {reach} from the shoulder joint, at "
+        "least {least} is possible",
+        miss=_metres(miss),
+        reach=_metres(least - miss),
+        least=_metres(least),
     )
 
 

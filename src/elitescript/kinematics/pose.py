@@ -33,6 +33,7 @@ from elitescript.kinematics.transforms import (
     pose_from_transform,
     transform_from_pose,
 )
+from elitescript.said import said
 
 Pose: TypeAlias = tuple[float, float, float, float, float, float]
 """(x, y, z, rx, ry, rz) in m and rad, roll-pitch-yaw."""
@@ -120,7 +121,10 @@ def frame_from_points(origin: Sequence[float], x_point: Sequence[float], xy_poin
     length = sqrt(xx * xx + xy * xy + xz * xz)
     if not length > FRAME_POINT_DISTANCE_M:
         raise InvalidValueError(
-            f"the point on the x axis is {length:.3g} m from the origin; they have to be two different points",
+            said(
+                "the point on the x axis is {length:.3g} m from the origin; they have to be two different points",
+                length=length,
+            ),
             argument="x_point",
             value=length,
             limit=f"> {FRAME_POINT_DISTANCE_M:g}",
@@ -136,7 +140,10 @@ def frame_from_points(origin: Sequence[float], x_point: Sequence[float], xy_poin
     distance = sqrt(zx * zx + zy * zy + zz * zz)
     if not distance > FRAME_POINT_DISTANCE_M:
         raise InvalidValueError(
-            f"the point in the xy plane is {distance:.3g} m from the x axis; the three points lie on one line",
+            said(
+                "the point in the xy plane is {distance:.3g} m from the x axis; the three points lie on one line",
+                distance=distance,
+            ),
             argument="xy_point",
             value=distance,
             limit=f"> {FRAME_POINT_DISTANCE_M:g}",

@@ -24,7 +24,7 @@ from elitescript.language.limits import too_deep
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, read_again, syntax_tree
-from elitescript.language.policy import first_too_deep, guard_attributes, review
+from elitescript.language.policy import first_too_deep, guard_attributes, obey_futures, review
 from elitescript.language.probes import (
     ATTACH_PROBES,
     NO_PROBES,
@@ -35,6 +35,7 @@ from elitescript.language.probes import (
 )
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple, record, replace
+from elitescript.said import said
 
 _SCRIPT_NAME: Final = "main"
 """The name of an unnamed program in qualified names and stack listings."""
@@ -221,12 +222,18 @@ def compile_statement(source: SourceFile, has_global: Callable[[str], bool]) -> 
         problems += review(parsed.source, census)
         for node in census.of(ast.Global):
             problems += [
-                diagnostic("E001", node.lineno, 1, f"there is no program global {name!r}, and none can be made here")
+                diagnostic(
+                    "E001",
+                    node.lineno,
+                    1,
+                    said("there is no program global {name!r}, and none can be made here", name=name),
+                )
                 for name in node.names
                 if not has_global(name)
             ]
         calls = frozenset(node.func.id for node in census.of(ast.Call) if isinstance(node.func, ast.Name))
         if first_too_deep(census) is None and not any(problem.is_error for problem in problems):
+            obey_futures(census)
             guard_attributes(parsed.tree, census)
             insert_checkpoints(census)
             code = _code_or_problem(parsed.tree, "exec", parsed.source, "statement", problems)
@@ -266,6 +273,7 @@ def _compile(parsed: Parsed, census: Census | None = None) -> _Compiled:
     probes = NO_PROBES
     numbers: Mapping[ast.stmt, int] = {}
     if not any(problem.is_error for problem in problems):
+        obey_futures(census)
         guard_attributes(parsed.tree, census)
         options = parsed.options
         if options.probes == ATTACH_PROBES:
@@ -298,10 +306,13 @@ def _header_problems(parsed: Parsed) -> list[Diagnostic]:
             "E107",
             argument.lineno,
             column := column_of(parsed.source, argument.lineno, argument.col_offset),
-            f"the parameter `{argument.arg}` of the program has no default value",
+            said("the parameter `{arg}` of the program has no default value", arg=argument.arg),
             end_column=column + len(argument.arg),
-            hint="a `def` at the start of a line is a program of its own and gets no arguments; "
-            f"put a function into the `def` that calls it, or write {argument.arg}=...",
+            hint=said(
+                "a `def` at the start of a line is a program of its own and gets no arguments; put a "
+                "function into the `def` that calls it, or write {arg}=...",
+                arg=argument.arg,
+            ),
         )
         for argument in missing
     ]
@@ -374,7 +385,7 @@ def _code_or_problem(
     except SyntaxError as error:
         problems.append(_syntax_problem(error, source))
     except (RecursionError, MemoryError, ValueError, OverflowError):
-        problems.append(diagnostic("E001", 1, 1, f"the {what} is nested too deeply to be compiled"))
+        problems.append(diagnostic("E001", 1, 1, said("the {what} is nested too deeply to be compiled", what=what)))
     return None
 
 

@@ -14,6 +14,7 @@ from elitescript.language.diagnostics import Diagnostic, Edit, Fix, Severity, di
 from elitescript.language.nodes import BLOCKS
 from elitescript.language.parser import Parsed
 from elitescript.language.symbols import LateGlobal, Symbols
+from elitescript.said import said
 
 
 def hoist_late_globals(parsed: Parsed) -> list[Diagnostic]:
@@ -43,8 +44,11 @@ def _finding(item: LateGlobal, symbols: Symbols, severity: Severity) -> Diagnost
         "E109",
         line,
         start,
-        f"`global {item.name}` comes after `{item.name}` was used in line {item.used_line}; "
-        "a Python 3 controller refuses it",
+        said(
+            "`global {name}` comes after `{name}` was used in line {used_line}; a Python 3 controller refuses it",
+            name=item.name,
+            used_line=item.used_line,
+        ),
         end_column=start + len(item.name) if at >= 0 else end_column,
         hint="move it to the top of the function",
         fix=_fix(item, symbols),

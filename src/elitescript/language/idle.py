@@ -15,6 +15,7 @@ from elitescript.language.kinds import is_text
 from elitescript.language.options import SCRIPT
 from elitescript.language.parser import Parsed, character_offset
 from elitescript.language.text.source import SourceFile
+from elitescript.said import said
 
 NO_STATEMENT: Final = "nothing runs: the text holds no statement"
 
@@ -39,12 +40,19 @@ def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diag
         return None
     first, is_certain = _beginning(functions)
     if len(functions) == 1:
-        text = f"nothing calls `{first.name}`: beside other top-level lines a `def` is a function and does not run"
+        text = said(
+            "nothing calls `{command}`: beside other top-level lines a `def` is a function and does not run",
+            command=first.name,
+        )
         hint = "put those lines into the `def`, which then runs by itself, or call {call} at the end"
     else:
         names = [f"`{function.name}`" for function in functions]
         listed = ", ".join(names) if len(names) <= _MOST_NAMES else f"{', '.join(names[:_MOST_NAMES])}, ..."
-        text = f"nothing runs: the text only defines {len(names)} functions ({listed}), and no line calls one"
+        text = said(
+            "nothing runs: the text only defines {count} functions ({listed}), and no line calls one",
+            count=len(names),
+            listed=listed,
+        )
         hint = "call what is to run at the end, as in {call}"
         if is_certain:
             hint = "call {call} at the end, or put the other functions into the `def` of that one"
@@ -52,7 +60,7 @@ def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diag
     row = parsed.source.line(first.lineno)
     column = row.find(first.name, character_offset(row, first.col_offset) + len("def")) + 1
     fix = _call_at_the_end(parsed, first) if is_certain else None
-    return _finding(parsed, first.lineno, column, column + len(first.name), text, hint.format(call=call), fix)
+    return _finding(parsed, first.lineno, column, column + len(first.name), text, said(hint, call=call), fix)
 
 
 def holds_nothing(source: SourceFile) -> bool:
@@ -100,4 +108,8 @@ def _call_at_the_end(parsed: Parsed, function: ast.FunctionDef) -> Fix:
     lines = parsed.source.lines
     last = max(number for number, row in enumerate(lines, 1) if row.strip())
     column = len(lines[last - 1]) + 1
-    return Fix(f"call {function.name}()", (Edit(last, column, last, column, f"\n{function.name}()"),), safe=False)
+    return Fix(
+        said("call {function}()", function=function.name),
+        (Edit(last, column, last, column, f"\n{function.name}()"),),
+        safe=False,
+    )

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, diagnostic
+from elitescript.said import said
 
 MAX_UNIT_BYTES: Final = 16_000_000
 """Bytes of a program that a client sends; those of a file are the same (`untrusted.files.PROGRAM`)."""
@@ -98,12 +99,23 @@ def too_deep(text: str, error: BaseException, verb: str) -> str:
     """
     if isinstance(error, MemoryError) and len(text) > SMALL_TEXT:
         lines = text.count("\n") + 1
-        return f"there is too little memory for the program to be {verb}: {lines:,} lines, {_bytes(text):,} bytes"
-    return f"the program is nested too deeply to be {verb}"
+        return said(
+            "there is too little memory for the program to be {verb}: {lines:,} lines, {bytes:,} bytes",
+            verb=verb,
+            lines=lines,
+            bytes=_bytes(text),
+        )
+    return said("the program is nested too deeply to be {verb}", verb=verb)
 
 
 def _problem(line: int, count: int, what: str, limit: int) -> Diagnostic:
-    return diagnostic("E001", line, 1, f"the program has {count:,} {what}, at most {limit:,} are read", hint=HINT)
+    return diagnostic(
+        "E001",
+        line,
+        1,
+        said("the program has {count:,} {what}, at most {limit:,} are read", count=count, what=what, limit=limit),
+        hint=HINT,
+    )
 
 
 def _bytes(text: str) -> int:

@@ -71,8 +71,8 @@ OWN_NAMES: Final[dict[str, str]] = {
     "random": "Random betavariate choice choices expovariate gammavariate gauss getrandbits getstate lognormvariate"
     " normalvariate paretovariate randbytes randint random randrange sample seed setstate shuffle triangular uniform"
     " vonmisesvariate weibullvariate",
-    "re": "A ASCII DOTALL I IGNORECASE M MULTILINE Match NOFLAG Pattern S U UNICODE VERBOSE X compile error escape"
-    " findall finditer fullmatch match search split sub subn",
+    "re": "A ASCII DOTALL I IGNORECASE M MULTILINE Match NOFLAG Pattern RegexFlag S U UNICODE VERBOSE X compile error"
+    " escape findall finditer fullmatch match search split sub subn",
     "signal": "SIGABRT SIGALRM SIGCHLD SIGCONT SIGHUP SIGINT SIGKILL SIGPIPE SIGSTOP SIGTERM SIGUSR1 SIGUSR2 SIG_DFL"
     " SIG_IGN getsignal signal",
     "subprocess": "CalledProcessError CompletedProcess DEVNULL PIPE Popen STDOUT SubprocessError TimeoutExpired call"

@@ -26,6 +26,7 @@ from elitescript.language.text.pieces import Pieces
 from elitescript.language.text.rewriting import PositionMap
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 MAX_SYNTAX_ERRORS = 20
 NO_FILE = "<elitescript>"
@@ -178,10 +179,10 @@ def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
         column = found.start() - text.rfind("\n", 0, found.start())
         if found.group()[0] == "\0":
             count = len(found.group())
-            what = "a NUL character" if count == 1 else f"{count} NUL characters in a row"
-            problems.append(diagnostic("E001", line, column, f"{what} cannot stand in a program"))
+            what = "a NUL character" if count == 1 else said("{count} NUL characters in a row", count=count)
+            problems.append(diagnostic("E001", line, column, said("{what} cannot stand in a program", what=what)))
         else:
-            what = f"the character U+{ord(found.group()):04X} is half of a pair and no text"
+            what = said("the character U+{ord:04X} is half of a pair and no text", ord=ord(found.group()))
             problems.append(diagnostic("E002", line, column, what, hint="save the file as UTF-8"))
         if len(problems) == MAX_SYNTAX_ERRORS:
             break
@@ -389,7 +390,7 @@ class _TextReader:
             place = (tree.body[0].lineno, tree.body[0].col_offset + 1) if tree.body else (1, 1)
             self._report(
                 *self._place(*place),
-                f"this is not a single `{word} name():` with everything inside it",
+                said("this is not a single `{word} name():` with everything inside it", word=word),
                 "put all statements into the body",
             )
         if wanted in (SCRIPT, LINE):
@@ -401,7 +402,7 @@ class _TextReader:
             if not isinstance(statement, ast.FunctionDef) or statement.lineno not in self.translation.secondaries:
                 continue
             # One that has lost its indentation has no body, which is said already: what follows belongs to it.
-            flat = f"the body of the `sec` of line {statement.lineno} should be indented here"
+            flat = said("the body of the `sec` of line {line} should be indented here", line=statement.lineno)
             if flat not in told:
                 text, hint = "a secondary program cannot be part of a longer text", "send it by itself, or write `def`"
                 self.problems.append(diagnostic("E105", statement.lineno, 1, text, end_column=4, hint=hint))

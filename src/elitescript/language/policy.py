@@ -20,6 +20,7 @@ from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.hooks import ATTRIBUTE
 from elitescript.language.nodes import Census, children
 from elitescript.language.text.source import SourceFile
+from elitescript.said import said
 
 COMPREHENSION_DEPTH_MAX: Final = 12
 """Some releases of CPython 3.12 and 3.13 crash when they compile about twice as many inside each other."""
@@ -62,8 +63,17 @@ ALLOWED_DUNDER_LOADS: Final = ALLOWED_DUNDER_DEFINITIONS | frozenset(
 )
 """Special attributes that a program may read."""
 
-ALLOWED_CLASS_VARIABLES: Final = frozenset(("__doc__", "__hash__", "__slots__"))
-"""Special names that may be assigned in the body of a class."""
+ALLOWED_CLASS_VARIABLES: Final = ALLOWED_DUNDER_DEFINITIONS | {"__doc__", "__slots__"}
+"""Special names that may be assigned in the body of a class, as in `__rmul__ = __mul__`."""
+
+FUTURE: Final = "__future__"
+FUTURE_FEATURES: Final = frozenset(
+    """
+    absolute_import annotations division generator_stop generators nested_scopes print_function unicode_literals
+    with_statement
+    """.split()  # noqa: SIM905
+)
+"""What `from __future__ import` may name; all but `annotations` is so anyway."""
 
 _MAX_FINDINGS: Final = 300
 
@@ -77,7 +87,6 @@ _ADVICE: Final = {
     "__new__": "set the object up in __init__",
     "__getattr__": "define the attributes one by one",
     "__getattribute__": "define the attributes one by one",
-    "__future__": "leave the line out",
 }
 _DEFAULT_ADVICE: Final = "names between double underscores belong to Python itself"
 
@@ -148,6 +157,30 @@ def _place(node: ast.expr) -> tuple[int, int]:
     return node.lineno, node.col_offset
 
 
+def is_future(node: ast.ImportFrom) -> bool:
+    """Return whether a statement asks for what is so anyway, or for annotations that are texts."""
+    return node.module == FUTURE and not node.level and all(alias.name in FUTURE_FEATURES for alias in node.names)
+
+
+def obey_futures(census: Census) -> None:
+    """Take `from __future__ import` out of a tree; if it names `annotations`, make texts of all annotations."""
+    futures = [node for node in census.of(ast.ImportFrom) if is_future(node)]
+    if not futures:
+        return
+    if any(alias.name == "annotations" for node in futures for alias in node.names):
+        for argument in census.of(ast.arg):
+            argument.annotation = _as_text(argument.annotation)
+        for function in census.of(ast.FunctionDef):
+            function.returns = _as_text(function.returns)
+        for assignment in census.of(ast.AnnAssign):
+            assignment.annotation = ast.copy_location(ast.Constant(ast.unparse(assignment.annotation)), assignment)
+    census.replace({node: ast.copy_location(ast.Pass(), node) for node in futures})
+
+
+def _as_text(annotation: ast.expr | None) -> ast.expr | None:
+    return None if annotation is None else ast.copy_location(ast.Constant(ast.unparse(annotation)), annotation)
+
+
 def guard_attributes(tree: ast.AST, census: Census) -> None:
     """Replace loads of guarded attributes by calls of the `@attribute` hook."""
     calls: dict[ast.AST, ast.Call] = {
@@ -190,7 +223,10 @@ class _Reviewer:
     def _nesting(self) -> Iterator[Diagnostic]:
         node = first_too_deep(self.census)
         if node is not None:
-            text = f"comprehensions are nested more than {COMPREHENSION_DEPTH_MAX} deep"
+            text = said(
+                "comprehensions are nested more than {comprehension_depth_max} deep",
+                comprehension_depth_max=COMPREHENSION_DEPTH_MAX,
+            )
             yield self._finding(node, text, "give the inner ones names of their own")
 
     def _finding(self, node: ast.AST, text: str, hint: str, name: str = "") -> Diagnostic:
@@ -208,13 +244,15 @@ class _Reviewer:
         return diagnostic("E115", line, column + 1, text, end_column=column + 1 + max(1, len(name)), hint=hint)
 
     def _special(self, node: ast.AST, name: str) -> Diagnostic:
-        return self._finding(node, f"programs cannot use the name `{name}`", _ADVICE.get(name, _DEFAULT_ADVICE), name)
+        return self._finding(
+            node, said("programs cannot use the name `{name}`", name=name), _ADVICE.get(name, _DEFAULT_ADVICE), name
+        )
 
     def _unknown(self) -> Iterator[Diagnostic]:
         for node in self.census.unknown:
             kind = type(node).__name__
-            what, hint = _SYNTAX.get(kind, (f"this syntax ({kind})", "write it in a simpler way"))
-            yield self._finding(node, f"{what} is not available", hint)
+            what, hint = _SYNTAX.get(kind, (said("this syntax ({kind})", kind=kind), "write it in a simpler way"))
+            yield self._finding(node, said("{what} is not available", what=what), hint)
 
     def _names(self) -> Iterator[Diagnostic]:
         """Yield special names, wherever a name can stand."""
@@ -233,7 +271,7 @@ class _Reviewer:
             yield from (self._special(declaration, name) for name in declaration.names if is_dunder(name))
 
     def _class_variables(self) -> set[int]:
-        """Return the names that class bodies assign and may assign."""
+        """Return the special names that class bodies assign, and that they use for it, and may."""
         allowed = set()
         for node in self.census.of(ast.ClassDef):
             for statement in node.body:
@@ -246,25 +284,28 @@ class _Reviewer:
                 for target in targets:
                     if isinstance(target, ast.Name) and target.id in ALLOWED_CLASS_VARIABLES:
                         allowed.add(id(target))
+                for used in () if statement.value is None else ast.walk(statement.value):
+                    if isinstance(used, ast.Name) and used.id in ALLOWED_DUNDER_DEFINITIONS:
+                        allowed.add(id(used))
         return allowed
 
     def _attributes(self) -> Iterator[Diagnostic]:
         for node in self.census.of(ast.Attribute):
             name = node.attr
             if name in DENIED_ATTRIBUTES:
-                text = f"the attribute `{name}` is not available to programs"
+                text = said("the attribute `{name}` is not available to programs", name=name)
                 yield self._finding(node, text, "it belongs to the inside of Python", name)
             elif name[:2] == "__" and is_dunder(name):
                 if name not in ALLOWED_DUNDER_LOADS:
-                    text = f"the attribute `{name}` is not available to programs"
+                    text = said("the attribute `{name}` is not available to programs", name=name)
                     yield self._finding(node, text, _ADVICE.get(name, _DEFAULT_ADVICE), name)
                 elif not isinstance(node.ctx, ast.Load):
-                    text = f"the attribute `{name}` cannot be changed"
+                    text = said("the attribute `{name}` cannot be changed", name=name)
                     yield self._finding(node, text, "define it in the body of the class", name)
         for statement in self.census.of(ast.AugAssign):
             target = statement.target
             if isinstance(target, ast.Attribute) and target.attr in GUARDED_ATTRIBUTES:
-                text = f"the attribute `{target.attr}` cannot be changed in place"
+                text = said("the attribute `{attr}` cannot be changed in place", attr=target.attr)
                 yield self._finding(target, text, "assign it with `=`", target.attr)
 
     def _definitions(self) -> Iterator[Diagnostic]:
@@ -276,13 +317,13 @@ class _Reviewer:
                 if id(function) not in methods:
                     yield self._special(function, function.name)
                 elif function.name not in ALLOWED_DUNDER_DEFINITIONS:
-                    text = f"a class cannot define `{function.name}`"
+                    text = said("a class cannot define `{function}`", function=function.name)
                     yield self._finding(function, text, _ADVICE.get(function.name, _DEFAULT_ADVICE), function.name)
         for node in census.of(ast.ClassDef):
             if is_dunder(node.name):
                 yield self._special(node, node.name)
             for keyword in node.keywords:
-                text = f"a class takes no `{keyword.arg or '**'}=`"
+                text = said("a class takes no `{arg}=`", arg=keyword.arg or "**")
                 yield self._finding(keyword, text, "name only the classes that it extends")
 
     def _methods(self) -> set[int]:
@@ -301,6 +342,8 @@ class _Reviewer:
 
     def _imports(self) -> Iterator[Diagnostic]:
         for node in self.census.of(ast.ImportFrom):
+            if is_future(node):
+                continue
             if any(is_dunder(part) for part in (node.module or "").split(".")):
                 yield self._special(node, node.module or "")
                 continue
@@ -320,5 +363,5 @@ class _Reviewer:
                 yield self._finding(pattern, text, "write `case int() as n`, or `case Point(x=a, y=b)`")
             for name in pattern.kwd_attrs:
                 if not is_attribute_allowed(name) or name in GUARDED_ATTRIBUTES:
-                    text = f"the attribute `{name}` is not available in patterns"
+                    text = said("the attribute `{name}` is not available in patterns", name=name)
                     yield self._finding(pattern, text, "test it with `if`", name)

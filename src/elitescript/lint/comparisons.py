@@ -201,11 +201,15 @@ def _told(program: AnalysedProgram, node: ast.Compare, left: Value, right: Value
     if isinstance(node.left, ast.Constant):
         sides.reverse()
     (one, value), (other, compared) = sides
-    outcome = "never equal to" if isinstance(node.ops[0], (ast.Eq, ast.Is)) else "always different from"
+    is_equality = isinstance(node.ops[0], (ast.Eq, ast.Is))
     what = shown_source(program, other)
     if not isinstance(other, ast.Constant):
         what = said("{what}, which is {words}", what=what, words=words(compared))
-    return f"{_said(program, one, value)}: {outcome} {what}"
+    return said(
+        "{operand}: never equal to {what}" if is_equality else "{operand}: always different from {what}",
+        operand=_said(program, one, value),
+        what=what,
+    )
 
 
 def _advice(left: Value, right: Value) -> str:

@@ -30,11 +30,13 @@ class Profile:
     interpreter_queue_limit: int
     version: Version
     """What the controller reports, unless an option says otherwise."""
+    python: tuple[int, int, int]
+    """`sys.version_info` of programs (*assumed*: manual 2.10 needs 3.6 at least)."""
 
 
 PROFILES: Final[dict[str, Profile]] = {
-    "2.10": Profile("2.10", (2, 10), 15, 0.010, False, 2000, (2, 10, 0, 0)),
-    "2.14": Profile("2.14", (2, 14), 20, 0.004, True, 8500, PUBLISHED),
+    "2.10": Profile("2.10", (2, 10), 15, 0.010, False, 2000, (2, 10, 0, 0), (3, 6, 9)),
+    "2.14": Profile("2.14", (2, 14), 20, 0.004, True, 8500, PUBLISHED, (3, 8, 10)),
 }
 DEFAULT_FIRMWARE: Final = "2.14"
 

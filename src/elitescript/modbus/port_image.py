@@ -9,6 +9,7 @@ from elitescript.errors import ArgumentRangeError, InvalidValueError, MirroredAd
 from elitescript.messages.machine import MachineRequest, WriteSignal
 from elitescript.messages.signals import WORD_MAX
 from elitescript.modbus.port_map import COIL_COUNT, COILS, REGISTER_COUNT, REGISTERS, View, Words
+from elitescript.said import said
 
 _REGISTER_ROWS: Final = {address: row for row in REGISTERS for address in range(row.first, row.first + row.size)}
 _COIL_ROWS: Final = {address: row for row in COILS for address in range(row.first, row.first + row.size)}
@@ -79,14 +80,21 @@ def register_writes(first: int, values: Sequence[int]) -> list[MachineRequest]:
     for address, value in enumerate(values, first):
         if not 0 <= value <= WORD_MAX:
             raise ArgumentRangeError(
-                f"register {address} must be in [0, {WORD_MAX}], got {value}", value=value, limit=f"[0, {WORD_MAX}]"
+                said(
+                    "register {address} must be in [0, {word_max}], got {value}",
+                    address=address,
+                    word_max=WORD_MAX,
+                    value=value,
+                ),
+                value=value,
+                limit=f"[0, {WORD_MAX}]",
             )
         row = _REGISTER_ROWS[address]
         assert row.write is not None
         try:
             requests += row.write(address - row.first, value)
         except (ArgumentRangeError, InvalidValueError) as error:
-            error.args = (f"register {address}: {error}",)
+            error.set_text(said("register {address}: {mistake}", address=address, mistake=error.said))
             raise
     return requests
 
@@ -145,11 +153,16 @@ def check_writable_coils(first: int, count: int) -> None:
 
 def _check(first: int, count: int, limit: int, what: str) -> None:
     if not (first >= 0 and count >= 1 and first + count <= limit):
-        shown = str(first) if count == 1 else f"{first} to {first + count - 1}"
+        shown = str(first) if count == 1 else said("{first} to {first_2}", first=first, first_2=first + count - 1)
         raise ArgumentRangeError(
-            f"there is no {what} {shown}; the addresses are 0 to {limit - 1}", value=first, limit=f"[0, {limit - 1}]"
+            said("there is no {what} {shown}; the addresses are 0 to {limit}", what=what, shown=shown, limit=limit - 1),
+            value=first,
+            limit=f"[0, {limit - 1}]",
         )
 
 
 def _read_only(what: str, address: int, content: str) -> MirroredAddressError:
-    return MirroredAddressError(f"{what} {address} ({content}) cannot be written", value=address)
+    return MirroredAddressError(
+        said("{what} {address} ({content}) cannot be written", what=what, address=address, content=content),
+        value=address,
+    )

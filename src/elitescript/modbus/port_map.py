@@ -25,6 +25,7 @@ from elitescript.messages.signals import SIGNALS, WORD_MAX, Value
 from elitescript.messages.snapshot_parts import JOINTS, LOADS, POSES, TCP_SPEEDS, TEMPERATURES
 from elitescript.messages.state import RobotState
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 COIL_COUNT: Final = 128
 REGISTER_COUNT: Final = 512
@@ -142,7 +143,7 @@ def _set_bits(*parts: _Part) -> Write:
     def write(_index: int, word: int) -> Iterator[MachineRequest]:
         if word & ~known:
             raise InvalidValueError(
-                f"{word:#06x} sets bits that no output has; the bits are {known:#06x}",
+                said("{word:#06x} sets bits that no output has; the bits are {known:#06x}", word=word, known=known),
                 value=word,
                 limit=f"bits of {known:#06x}",
             )
@@ -172,7 +173,7 @@ def _set_domain(family: str, channel: int) -> Write:
     def write(_index: int, value: int) -> Iterator[MachineRequest]:
         if value not in (0, 1):
             raise ArgumentRangeError(
-                f"a domain is 0 (current) or 1 (voltage), got {value}", value=value, limit="0 or 1"
+                said("a domain is 0 (current) or 1 (voltage), got {value}", value=value), value=value, limit="0 or 1"
             )
         yield SetAnalogDomain(family, channel, AnalogDomain(value))
 
@@ -182,7 +183,10 @@ def _set_domain(family: str, channel: int) -> Write:
 def _set_voltage(_index: int, value: int) -> Iterator[MachineRequest]:
     if value not in _VOLTAGES:
         raise ArgumentRangeError(
-            f"the tool voltage is 0, 12 or 24 V, got {value}", value=value, limit="0, 12 or 24", unit="V"
+            said("the tool voltage is 0, 12 or 24 V, got {value}", value=value),
+            value=value,
+            limit="0, 12 or 24",
+            unit="V",
         )
     yield WriteSignal("tool_voltage", 0, value)
 

@@ -30,7 +30,7 @@ from elitescript.modbus.frames.pdu import (
     written,
 )
 from elitescript.modbus.frames.rtu import BROADCAST, RtuFrame, RtuSplitter, rtu_frame
-from elitescript.modbus.frames.tcp import TcpSplitter, tcp_frame
+from elitescript.modbus.frames.tcp import TOLERATED_LENGTH_MAX, TcpSplitter, tcp_frame
 
 NAMES: Final = {
     READ_COILS: "coils",
@@ -178,7 +178,7 @@ class TcpSlave:
 
     def __init__(self, slaves: Slave | Mapping[int, Slave]) -> None:
         self._slaves = slaves
-        self._splitter = TcpSplitter()
+        self._splitter = TcpSplitter(TOLERATED_LENGTH_MAX)
 
     @property
     def is_lost(self) -> bool:

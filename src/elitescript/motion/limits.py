@@ -10,6 +10,7 @@ from elitescript.errors import MotionError, UsageError
 from elitescript.kinematics.limits import TURN
 from elitescript.messages.motion import Six
 from elitescript.records import record
+from elitescript.said import said
 
 JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 
@@ -48,7 +49,7 @@ class MotionLimits:
                 raise UsageError(f"the range of joint {joint} is empty: {low} to {high} rad")
         for name in ("qd_max", "qdd_max"):
             for joint, limit in zip(JOINT_NAMES, getattr(self, name), strict=True):
-                _require_positive(f"{name} of joint {joint}", limit)
+                _require_positive(said("{name} of joint {joint}", name=name, joint=joint), limit)
         for name in ("tool_speed_max", "tool_acceleration_max", "equivalent_radius_m"):
             _require_positive(name, getattr(self, name))
 
@@ -107,8 +108,19 @@ def joint_range_error(
     """
     low, high = limits.q_min[joint], limits.q_max[joint]
     return MotionError(
-        f"{place}, joint {JOINT_NAMES[joint]} would be at {angle:.4f} rad ({degrees(angle):.1f} deg); "
-        f"its range is {low:.4f} to {high:.4f} rad ({degrees(low):.1f} to {degrees(high):.1f} deg){more}",
+        said(
+            "{place}, joint {joint} would be at {angle:.4f} rad ({angle_deg:.1f} deg); its range is "
+            "{low:.4f} to {high:.4f} rad ({low_deg:.1f} to {high_deg:.1f} deg){more}",
+            place=place,
+            joint=JOINT_NAMES[joint],
+            angle=angle,
+            angle_deg=degrees(angle),
+            low=low,
+            high=high,
+            low_deg=degrees(low),
+            high_deg=degrees(high),
+            more=more,
+        ),
         code="R110",
         value=angle,
         limit=f"[{low:.6g}, {high:.6g}]",

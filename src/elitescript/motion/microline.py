@@ -32,6 +32,7 @@ from elitescript.motion.planner import SURELY_DEGREES, MoveNote, MoveNoteKind, P
 from elitescript.motion.refusals import JUMP_RAD, SINGULAR_HINT, SURELY_MILLIMETRES
 from elitescript.motion.segment import Segment
 from elitescript.motion.timing.point_timing import CURVATURE_SHARE, TooFast, paced
+from elitescript.said import said
 
 START_TOLERANCE_RAD: Final = 0.01
 """Largest distance of each joint from the first point; on a stretched arm up to 9 mm at the tool."""
@@ -168,8 +169,11 @@ def _solved(
         q = unwrapped(solution, q)
         if is_blocked(arm, q):
             raise MotionError(
-                f"{points.place(number)} meets the {singularity(arm, q).blocked} singularity, where joints would turn "
-                "without limit",
+                said(
+                    "{place} meets the {blocked} singularity, where joints would turn without limit",
+                    place=points.place(number),
+                    blocked=singularity(arm, q).blocked,
+                ),
                 code="R112",
                 value=number,
                 hint=SINGULAR_HINT,
@@ -190,7 +194,10 @@ def _out_of_reach(arm: Arm, T_base_flange: Transform, points: MicroLine, number:
     elif max(map(abs, points.point(number)[:3])) > SURELY_MILLIMETRES:
         hint = "unit_type 1 is for positions in mm"
     return MotionError(
-        f"{points.place(number)} is out of reach: {reason}", code="R111", value=list(points.point(number)), hint=hint
+        said("{place} is out of reach: {reason}", place=points.place(number), reason=reason),
+        code="R111",
+        value=list(points.point(number)),
+        hint=hint,
     )
 
 
@@ -201,13 +208,19 @@ def _check_start(arm: Arm, q_start: Six, q_first: Six, T_flange_tcp: Transform, 
         return
     here, there = (position_of(arm.forward_tcp(q, T_flange_tcp)) for q in (q_start, q_first))
     raise MotionError(
-        f"the arm is not where the points begin, {request.points.place(request.first)}: joint {JOINT_NAMES[joint]} is "
-        f"{abs(differences[joint]):.4f} rad away from there, the TCP {1000.0 * dist(here, there):.1f} mm",
+        said(
+            "the arm is not where the points begin, {place}: joint {joint} is {differences:.4f} rad "
+            "away from there, the TCP {dist:.1f} mm",
+            place=request.points.place(request.first),
+            joint=JOINT_NAMES[joint],
+            differences=abs(differences[joint]),
+            dist=1000.0 * dist(here, there),
+        ),
         code="R116",
         value=differences[joint],
         limit=f"<= {START_TOLERANCE_RAD:g}",
         unit="rad",
-        hint=f"go there first: movej(get_micro_line_values_by_index(index, 0, {request.first}))",
+        hint=said("go there first: movej(get_micro_line_values_by_index(index, 0, {first}))", first=request.first),
     )
 
 
@@ -220,7 +233,11 @@ def _check_ranges(limits: MotionLimits, columns: Sequence[Sequence[float]], requ
     if found:
         index, joint = min(found)
         raise _out_of_range(
-            limits, request, joint, columns[joint][index], f"at {request.points.place(request.first + index)}"
+            limits,
+            request,
+            joint,
+            columns[joint][index],
+            said("at {place}", place=request.points.place(request.first + index)),
         )
 
 
@@ -234,7 +251,7 @@ def _check_excursions(limits: MotionLimits, spline: JointSpline, request: MoveML
         for interval in range(spline.intervals):
             for angle in spline.extremes(joint, interval):
                 if not low <= angle <= high:
-                    place = f"behind {request.points.place(request.first + interval)}"
+                    place = said("behind {place}", place=request.points.place(request.first + interval))
                     raise _out_of_range(limits, request, joint, angle, place)
 
 
@@ -264,15 +281,18 @@ def _check_steps(arm: Arm, limits: MotionLimits, columns: Sequence[Sequence[floa
         return
     index, joint = min(found)
     step = columns[joint][index] - columns[joint][index - 1]
-    what = (
-        f"from {points.place(request.first + index - 1)} to the next point joint {JOINT_NAMES[joint]} "
-        f"would jump by {step:.4f} rad in {points.interval_s:g} s"
+    what = said(
+        "from {place} to the next point joint {joint} would jump by {step:.4f} rad in {interval_s:g} s",
+        place=points.place(request.first + index - 1),
+        joint=JOINT_NAMES[joint],
+        step=step,
+        interval_s=points.interval_s,
     )
     if points.is_cartesian:
         q = [[column[k] for column in columns] for k in (index - 1, index)]
         if min(min(singularity(arm, row)) for row in q) < NEAR_SINGULAR:
             raise MotionError(
-                f"the points pass through a singularity: {what}",
+                said("the points pass through a singularity: {what}", what=what),
                 code="R112",
                 value=step,
                 unit="rad",
@@ -295,14 +315,31 @@ def _slowed(
     speed, acceleration = spline.largest(too_fast.joint, too_fast.interval)
     name = JOINT_NAMES[too_fast.joint]
     if too_fast.is_speed:
-        asked = f"joint {name} would turn at {speed:.3f} rad/s; it can {limits.qd_max[too_fast.joint]:.4g} rad/s"
+        asked = said(
+            "joint {name} would turn at {speed:.3f} rad/s; it can {qd_max:.4g} rad/s",
+            name=name,
+            speed=speed,
+            qd_max=limits.qd_max[too_fast.joint],
+        )
     else:
         limit = CURVATURE_SHARE * limits.qdd_max[too_fast.joint]
-        asked = f"joint {name} would be accelerated with {acceleration:.1f} rad/s^2, of which {limit:.4g} are possible"
+        asked = said(
+            "joint {name} would be accelerated with {acceleration:.1f} rad/s^2, of which {limit:.4g} are possible",
+            name=name,
+            acceleration=acceleration,
+            limit=limit,
+        )
     return MoveNote(
         MoveNoteKind.SPEED_LOWERED_FOR_JOINT_LIMITS,
-        f"the points of {request.points.name} come faster than the arm can move: behind "
-        f"{request.points.place(request.first + too_fast.interval)} {asked}; they are played at "
-        f"{100.0 * too_fast.rate:.0f} % of their speed there, and take {duration_s:.3f} s instead of "
-        f"{spline.duration_s:.3f} s",
+        said(
+            "the points of {points} come faster than the arm can move: behind {place} {asked}; they "
+            "are played at {rate:.0f} % of their speed there, and take {duration_s:.3f} s instead of "
+            "{spline_duration_s:.3f} s",
+            points=request.points.name,
+            place=request.points.place(request.first + too_fast.interval),
+            asked=asked,
+            rate=100.0 * too_fast.rate,
+            duration_s=duration_s,
+            spline_duration_s=spline.duration_s,
+        ),
     )

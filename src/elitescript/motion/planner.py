@@ -331,17 +331,30 @@ def _check_numbers(name: str, numbers: Six, a: float, v: float, t_s: float, r: f
     """Refuse numbers that are not finite or have the wrong sign."""
     for index, number in enumerate(numbers):
         if not isfinite(number):
-            raise MotionError(f"{name}[{index}] is {number}, not a finite number", code="R102", value=number)
+            raise MotionError(
+                said("{name}[{index}] is {number}, not a finite number", name=name, index=index, number=number),
+                code="R102",
+                value=number,
+            )
     for symbol, value, unit, low in (("t", t_s, "s", 0.0), ("r", r, "m", 0.0)):
         if not low <= value < inf:
             raise MotionError(
-                f"{symbol} is {value} {unit}; it has to be 0 or more", code="R102", value=value, limit=">= 0", unit=unit
+                said("{symbol} is {value} {unit}; it has to be 0 or more", symbol=symbol, value=value, unit=unit),
+                code="R102",
+                value=value,
+                limit=">= 0",
+                unit=unit,
             )
     for symbol, value, unit in (("a", a, "per s^2"), ("v", v, "per s")):
         # A given duration makes both meaningless.
         if t_s == 0.0 and not 0.0 < value < inf:
             raise MotionError(
-                f"{symbol} is {value}; it has to be more than 0 (m or rad {unit})",
+                said(
+                    "{symbol} is {value}; it has to be more than 0 (m or rad {unit})",
+                    symbol=symbol,
+                    value=value,
+                    unit=unit,
+                ),
                 code="R102",
                 value=value,
                 limit="> 0",
@@ -352,15 +365,22 @@ def _check_end(profile: TimeLaw, a: float, v: float) -> None:
     """Refuse speeds so small that the duration overflows."""
     if not isfinite(profile.duration_s):
         raise MotionError(
-            f"with a = {a} and v = {v} the move would never end", code="R102", value=min(a, v), limit="> 0"
+            said("with a = {a} and v = {v} the move would never end", a=a, v=v),
+            code="R102",
+            value=min(a, v),
+            limit="> 0",
         )
 
 
 def _t_too_short(t_s: float, profile: TimeLaw) -> MoveNote:
     return MoveNote(
         MoveNoteKind.T_TOO_SHORT,
-        f"t = {t_s:.4g} s is too short for the limits of the arm; "
-        f"the move takes {profile.duration_s:.4f} s, the shortest possible time",
+        said(
+            "t = {t_s:.4g} s is too short for the limits of the arm; the move takes {duration_s:.4f} "
+            "s, the shortest possible time",
+            t_s=t_s,
+            duration_s=profile.duration_s,
+        ),
     )
 
 
@@ -374,11 +394,18 @@ def _lowered(length: float, v: float, v_max: float, a: float, a_max: float, unit
     ):
         return ()
     lowered = [
-        f"{symbol} = {value:g} {unit}/{per} is lowered to {limit:.4g}"
+        said(
+            "{symbol} = {value:g} {unit}/{per} is lowered to {limit:.4g}",
+            symbol=symbol,
+            value=value,
+            unit=unit,
+            per=per,
+            limit=limit,
+        )
         for symbol, value, limit, per in (("v", v, v_max, "s"), ("a", a, a_max, "s^2"))
         if value > limit
     ]
-    return (MoveNote(MoveNoteKind.LOWERED_TO_LIMITS, f"{' and '.join(lowered)}, its limit"),)
+    return (MoveNote(MoveNoteKind.LOWERED_TO_LIMITS, said("{lowered}, its limit", lowered=" and ".join(lowered))),)
 
 
 def _orientation_not_used(T_base_tcp_end: Transform, T_base_tcp_asked: Transform) -> tuple[MoveNote, ...]:
@@ -387,9 +414,11 @@ def _orientation_not_used(T_base_tcp_end: Transform, T_base_tcp_asked: Transform
     angle = hypot(*rotvec_from_rotation(turn))
     if angle <= NOTEWORTHY_TURN:
         return ()
-    text = (
-        f"mode 0 keeps the orientation of the tool relative to the arc: it ends {degrees(angle):.3g} deg away from the "
-        f"orientation of pose_to, which does not count; mode=1 turns the tool to it"
+    text = said(
+        "mode 0 keeps the orientation of the tool relative to the arc: it ends {angle_deg:.3g} "
+        "deg away from the orientation of pose_to, which does not count; mode=1 turns the tool "
+        "to it",
+        angle_deg=degrees(angle),
     )
     return (MoveNote(MoveNoteKind.ORIENTATION_NOT_USED, text),)
 
@@ -405,12 +434,23 @@ def _speed_lowered(
         "shoulder": distance.shoulder / NEAR_SHOULDER_M,
     }
     name = min(nearness, key=nearness.__getitem__)
-    slowed = (
-        f"the move takes {profile.duration_s:.3f} s instead of {wanted.duration_s:.3f} s: "
-        f"{track.path.place(place.s)} the tool moves at {place.speed:.4f} instead of {place.speed_wanted:.4f} "
-        f"{track.unit}/s, because of the limits of joint {JOINT_NAMES[place.joint]} "
-        f"({limits.qd_max[place.joint]:.4g} rad/s, {limits.qdd_max[place.joint]:.4g} rad/s^2)"
+    slowed = said(
+        "the move takes {duration_s:.3f} s instead of {wanted_duration_s:.3f} s: {place} the "
+        "tool moves at {speed:.4f} instead of {speed_wanted:.4f} {unit}/s, because of the limits "
+        "of joint {joint} ({qd_max:.4g} rad/s, {qdd_max:.4g} rad/s^2)",
+        duration_s=profile.duration_s,
+        wanted_duration_s=wanted.duration_s,
+        place=track.path.place(place.s),
+        speed=place.speed,
+        speed_wanted=place.speed_wanted,
+        unit=track.unit,
+        joint=JOINT_NAMES[place.joint],
+        qd_max=limits.qd_max[place.joint],
+        qdd_max=limits.qdd_max[place.joint],
     )
     if nearness[name] < 1.0:
-        return MoveNote(MoveNoteKind.SPEED_LOWERED_NEAR_SINGULARITY, f"{slowed}; the {name} singularity is near")
+        return MoveNote(
+            MoveNoteKind.SPEED_LOWERED_NEAR_SINGULARITY,
+            said("{slowed}; the {name} singularity is near", slowed=slowed, name=name),
+        )
     return MoveNote(MoveNoteKind.SPEED_LOWERED_FOR_JOINT_LIMITS, slowed)

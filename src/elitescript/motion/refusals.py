@@ -12,6 +12,7 @@ from elitescript.kinematics.jacobian import ELBOW_GIVE_UP_SINE, SHOULDER_GIVE_UP
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error, unwrapped
 from elitescript.motion.paths.cartesian import FlangePath
+from elitescript.said import said
 
 JUMP_RAD: Final = 0.5 * pi
 """A joint step this large over the narrowest interval of a grid is a jump, not a motion."""
@@ -31,22 +32,33 @@ def singular(path: FlangePath, s: float, distance: Singularity) -> MotionError:
     """Return the refusal (R112) of a point too near a singularity."""
     blocked = distance.blocked
     if blocked == "wrist":
-        what = f"the sine of joint wrist2 is {distance.wrist:.6f}"
+        what = said("the sine of joint wrist2 is {wrist:.6f}", wrist=distance.wrist)
         value, limit, unit = distance.wrist, WRIST_GIVE_UP_SINE, ""
     elif blocked == "shoulder":
-        what = f"the wrist centre is {distance.shoulder:.6f} m from passing beside the base axis"
+        what = said(
+            "the wrist centre is {shoulder:.6f} m from passing beside the base axis", shoulder=distance.shoulder
+        )
         value, limit, unit = distance.shoulder, SHOULDER_GIVE_UP_M, "m"
     elif blocked == "elbow":
-        what = f"the sine of joint elbow is {distance.elbow:.6f}"
+        what = said("the sine of joint elbow is {elbow:.6f}", elbow=distance.elbow)
         value, limit, unit = distance.elbow, ELBOW_GIVE_UP_SINE, ""
     else:
         # A calibrated arm is singular a little beside the place of nominal lengths.
         return MotionError(
-            f"the move meets a singularity {path.place(s)}", code="R112", value=s, unit=path.unit, hint=SINGULAR_HINT
+            said("the move meets a singularity {place}", place=path.place(s)),
+            code="R112",
+            value=s,
+            unit=path.unit,
+            hint=SINGULAR_HINT,
         )
     return MotionError(
-        f"the move meets the {blocked} singularity {path.place(s)}: {what}, "
-        f"at least {f'{limit:g} {unit}'.rstrip()} is needed to stay on the path",
+        said(
+            "the move meets the {blocked} singularity {place}: {what}, at least {least} is needed to stay on the path",
+            blocked=blocked,
+            place=path.place(s),
+            what=what,
+            least=f"{limit:g} {unit}".rstrip(),
+        ),
         code="R112",
         value=value,
         limit=f">= {limit:g}",
@@ -60,8 +72,14 @@ def jump(path: FlangePath, s: float, q_a: Six, q_b: Six) -> MotionError:
     steps = [b - a for a, b in zip(q_a, q_b, strict=True)]
     joint = max(range(6), key=lambda index: abs(steps[index]))
     return MotionError(
-        f"the move passes through a singularity {path.place(s)}: joint {JOINT_NAMES[joint]} would jump by "
-        f"{steps[joint]:.4f} rad ({degrees(steps[joint]):.1f} deg)",
+        said(
+            "the move passes through a singularity {place}: joint {joint} would jump by {steps:.4f} "
+            "rad ({steps_deg:.1f} deg)",
+            place=path.place(s),
+            joint=JOINT_NAMES[joint],
+            steps=steps[joint],
+            steps_deg=degrees(steps[joint]),
+        ),
         code="R112",
         value=steps[joint],
         limit=f"< {JUMP_RAD:.4f}",
@@ -95,7 +113,7 @@ def out_of_range(
         joint,
         q_b[joint],
         path.place(s_b),
-        more=f", which it would leave {path.place(s_outside)}",
+        more=said(", which it would leave {place}", place=path.place(s_outside)),
         hint=RANGE_HINT,
     )
 
@@ -112,7 +130,11 @@ def leaves_reach(arm: Arm, path: FlangePath, branch: int, s_inside: float, s_out
     reason = reason_unreachable(arm, path.flange(s_deeper))
     if reason:
         # At the border itself the excess is almost zero; a little further the numbers are meaningful.
-        return out_of_reach(path, s_outside, f"at {s_deeper:.4f} {path.unit} it is {reason}")
+        return out_of_reach(
+            path,
+            s_outside,
+            said("at {s_deeper:.4f} {unit} it is {reason}", s_deeper=s_deeper, unit=path.unit, reason=reason),
+        )
     return out_of_reach(
         path,
         s_outside,
@@ -127,4 +149,10 @@ def out_of_reach(
     """Return the refusal (R111) of one point."""
     if path.unit == "m" and path.length > SURELY_MILLIMETRES:
         hint = "positions are in m, not in mm"
-    return MotionError(f"out of reach {path.place(s)}: {reason}", code="R111", value=s, unit=path.unit, hint=hint)
+    return MotionError(
+        said("out of reach {place}: {reason}", place=path.place(s), reason=reason),
+        code="R111",
+        value=s,
+        unit=path.unit,
+        hint=hint,
+    )

@@ -218,8 +218,9 @@ class _Reader:
 
     def _level_at(self, node: ast.expr) -> Piece | None:
         """Return the level of the signal that a part names, as `flag[0]`; None if it names none."""
+        is_point = isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id in SIGNALS
         try:
-            found = signal_at(node)
+            found = signal_at(node, has_lists=not is_point)
         except UsageError as error:
             raise self._wrong(node, str(error)) from None
         return None if found is None else self._level(node, *found)

@@ -43,7 +43,7 @@ from elitescript.modbus.frames.pdu import (
     request_of,
     written,
 )
-from elitescript.modbus.frames.tcp import LENGTH_MAX, TcpFrame, TcpSplitter, tcp_frame
+from elitescript.modbus.frames.tcp import LENGTH_MAX, TOLERATED_LENGTH_MAX, TcpFrame, TcpSplitter, tcp_frame
 from elitescript.modbus.port_image import PortImage, check_writable_coils, check_writable_registers
 from elitescript.modbus.port_map import REGISTER_PARTS, View
 from elitescript.protocol.connection import Connection, ProtocolError, is_restarted
@@ -126,7 +126,7 @@ class ModbusConnection(Connection):
     def __init__(self, origin: str, description: RobotDescription, port: ModbusPort) -> None:
         super().__init__(origin, description)
         self._port = port
-        self._splitter = TcpSplitter()
+        self._splitter = TcpSplitter(TOLERATED_LENGTH_MAX)
         self._frames: deque[TcpFrame] = deque()
         self._write: _Write | None = None
         self._tick = -1

@@ -125,12 +125,16 @@ def memory_text() -> str:
         limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     except ImportError:  # not on this system
         return text
-    return text if limit == resource.RLIM_INFINITY else f"{text}: a run may have {limit >> 20} MiB"
+    return (
+        text
+        if limit == resource.RLIM_INFINITY
+        else said("{text}: a run may have {limit} MiB", text=text, limit=limit >> 20)
+    )
 
 
 def abandoned(strand: Strand, tick: int) -> Alarm:
     """Return the alarm for a thread that does not end when it is stopped."""
-    text = f"thread {strand.name!r} does not let itself be stopped; it is given up where it stands"
+    text = said("thread {strand!r} does not let itself be stopped; it is given up where it stands", strand=strand.name)
     return Alarm(tick, "R131", "RuntimeError", text, strand.line, 0, strand.name)
 
 
@@ -143,9 +147,11 @@ def held_up(strand: Strand, tick: int, line: int, late_ms: int, limit_ms: float,
         late_ms: by how much it was too long.
         limit_ms: for how long all of them may hold up the robot.
     """
-    text = (
-        f"single calls have held up robot time and streams for more than {limit_ms:g} ms beyond 1 % of the time; "
-        f"the last took {late_ms} ms too long"
+    text = said(
+        "single calls have held up robot time and streams for more than {limit_ms:g} ms beyond 1 "
+        "% of the time; the last took {late_ms} ms too long",
+        limit_ms=limit_ms,
+        late_ms=late_ms,
     )
     details = {"value": late_ms / 1000.0, "limit": limit_ms / 1000.0, "unit": "s", "hint": hint}
     return Alarm(tick, "R135", "HeldUp", text, line, 0, strand.name, "", details)
@@ -182,7 +188,11 @@ def text_of(error: BaseException) -> str:
 
 def _shortened(text: str) -> str:
     """Return a text, or its begin if no client could take it."""
-    return text if len(text) <= TEXT_SHOWN else f"{text[:TEXT_SHOWN]}... ({len(text)} characters)"
+    return (
+        text
+        if len(text) <= TEXT_SHOWN
+        else said("{text}... ({count} characters)", text=text[:TEXT_SHOWN], count=len(text))
+    )
 
 
 def details_of(error: ScriptError) -> dict[str, Any]:
@@ -268,6 +278,8 @@ def _unknown_name(
         text = newer_firmware_text(name, command.since, profile)
         return "R105", "NameError", text, {"command": name, "hint": newer_firmware_hint(command.since)}
     hint = _advice(name, place, known, profile)
+    if text == f"name {name!r} is not defined":
+        text = said("name {name!r} is not defined", name=name)
     return UNCAUGHT, "NameError", text, {"hint": hint} if hint else {}
 
 
@@ -282,7 +294,7 @@ def _advice(name: str, place: Place, known: Iterable[str], profile: Profile) -> 
                 if symbols.place(node) == (place.line, place.column):
                     return advice(node, scope, symbols, vocabulary_of(profile))[1]
     meant = nearest(name, (item for item in (*place.names, *known) if item.isidentifier() and item[:2] != "__"))
-    return f"is `{meant}` meant?" if meant else ""
+    return said("is `{meant}` meant?", meant=meant) if meant else ""
 
 
 def _symbols_of(place: Place) -> Symbols | None:
@@ -320,6 +332,6 @@ def _nonlocal_hint(place: Place) -> str:
         if (place.line, place.column) not in places or not scope.has_local(name) or scope.parent is None:
             continue
         if scope.parent.home(name) is not None:
-            where = f"`nonlocal {name}` at the start of `{scope.name}`"
-            return f"assign it before, or write {where} if that of the enclosing program is meant"
+            where = said("`nonlocal {name}` at the start of `{scope}`", name=name, scope=scope.name)
+            return said("assign it before, or write {where} if that of the enclosing program is meant", where=where)
     return ""

@@ -13,6 +13,7 @@ from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase, TextIO
 from typing import IO, TYPE_CHECKING, Any, Final, NoReturn, Protocol, cast
 
 from elitescript.errors import ArgumentTypeError, ScriptPermissionError
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
@@ -81,7 +82,10 @@ class WholeReads(RawIOBase):
             pieces.append(piece)
             size += len(piece)
             if size > READ_MAX:
-                text = f"read() of more than {READ_MAX} bytes at once; read the file line by line or in pieces"
+                text = said(
+                    "read() of more than {read_max} bytes at once; read the file line by line or in pieces",
+                    read_max=READ_MAX,
+                )
                 raise OSError(EFBIG, text)
         return b"".join(pieces)
 
@@ -183,7 +187,7 @@ class FilesRefused:
         return []
 
     def _refuse(self, name: str, *_details: object, **_options: object) -> NoReturn:
-        raise ScriptPermissionError(f"cannot open {name!r}: this run has no task folder")
+        raise ScriptPermissionError(said("cannot open {name!r}: this run has no task folder", name=name))
 
     open = size = remove = make_folder = _refuse
 
@@ -235,7 +239,9 @@ def relative_name(path: object) -> str:
         ScriptPermissionError: the path leads out of the task folder.
     """
     if type(path) is not str:
-        raise ArgumentTypeError(f"a path must be a str, not {type(path).__name__}", value=path, limit="a str")
+        raise ArgumentTypeError(
+            said("a path must be a str, not {name}", name=type(path).__name__), value=path, limit="a str"
+        )
     if "\0" in path:
         raise ScriptPermissionError("a path cannot hold a null character", value=path)
     text = path.replace("\\", "/")
@@ -260,7 +266,11 @@ def relative_name(path: object) -> str:
 
 def _outside(path: str) -> ScriptPermissionError:
     return ScriptPermissionError(
-        f"cannot open {path!r}: programs reach only the files of the task folder, get_task_path() = {TASK_PATH!r}",
+        said(
+            "cannot open {path!r}: programs reach only the files of the task folder, get_task_path() = {task_path!r}",
+            path=path,
+            task_path=TASK_PATH,
+        ),
         value=path,
         limit=TASK_PATH,
     )

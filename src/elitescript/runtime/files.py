@@ -24,6 +24,7 @@ from elitescript.runtime.environment import (
     without_addresses,
 )
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
+from elitescript.said import said
 
 OPEN_FILES_MAX: Final = 256
 """Files that one program may have open at a time (*assumed*; what a Linux controller allows by default is 1024)."""
@@ -106,7 +107,9 @@ class OpenFiles:
 
 def _check_mode(mode: Any) -> None:
     if type(mode) is not str:
-        raise ArgumentTypeError(f"the mode of open() must be a str, not {type(mode).__name__}", value=mode)
+        raise ArgumentTypeError(
+            said("the mode of open() must be a str, not {name}", name=type(mode).__name__), value=mode
+        )
     letters = set(mode)
     if (
         not letters <= _MODE_LETTERS
@@ -115,7 +118,9 @@ def _check_mode(mode: Any) -> None:
         or letters >= {"b", "t"}
     ):
         raise InvalidValueError(
-            f"open() does not know the mode {mode!r}", value=mode, limit="one of r, w, x, a, with b, t or +"
+            said("open() does not know the mode {mode!r}", mode=mode),
+            value=mode,
+            limit="one of r, w, x, a, with b, t or +",
         )
 
 
@@ -123,10 +128,15 @@ def _check_text(encoding: Any, newline: Any, errors: Any) -> None:
     """Check the options of a text file before it is opened, which may truncate it."""
     for option, value in (("encoding", encoding), ("newline", newline), ("errors", errors)):
         if value is not None and type(value) is not str:
-            raise ArgumentTypeError(f"{option} must be a str or None, not {type(value).__name__}", value=value)
+            raise ArgumentTypeError(
+                said("{option} must be a str or None, not {name}", option=option, name=type(value).__name__),
+                value=value,
+            )
     if newline not in (None, "", "\n", "\r", "\r\n"):
         raise InvalidValueError(
-            f"open() does not know the newline {newline!r}", value=newline, limit=r"None, '', '\n', '\r' or '\r\n'"
+            said("open() does not know the newline {newline!r}", newline=newline),
+            value=newline,
+            limit=r"None, '', '\n', '\r' or '\r\n'",
         )
     TextIOWrapper(BytesIO(), encoding)
     codecs.lookup_error(errors or "strict")
@@ -427,7 +437,9 @@ class ScriptStream(metaclass=Sealed):
     def write(self, text: Any) -> int:
         """Print a text."""
         if not isinstance(text, str):
-            raise ArgumentTypeError(f"write() argument must be str, not {type(text).__name__}", value=text)
+            raise ArgumentTypeError(
+                said("write() argument must be str, not {name}", name=type(text).__name__), value=text
+            )
         _write.__get__(self)(str(text))
         return len(text)
 
@@ -463,8 +475,12 @@ def content_of(files: Files, path: str, size_max: int) -> bytes:
         if kind != "file":
             what = "is a folder" if kind else "does not exist"
             near = [other for other in files.names("") if other.startswith(name.rpartition(".")[0] or name)]
-            hint = f"the task folder holds {', '.join(near[:_NAMES_SHOWN])}" if near and not kind else None
-            raise InvalidValueError(f"the file {name!r} {what}", argument="file_name", value=path, hint=hint)
+            hint = (
+                said("the task folder holds {near}", near=", ".join(near[:_NAMES_SHOWN])) if near and not kind else None
+            )
+            raise InvalidValueError(
+                said("the file {name!r} {what}", name=name, what=what), argument="file_name", value=path, hint=hint
+            )
         size = files.size(name)
         if size <= size_max:
             with files.open(name, "rb", None, None) as file:
@@ -472,10 +488,15 @@ def content_of(files: Files, path: str, size_max: int) -> bytes:
     except OSError as error:
         if isinstance(error, ScriptError):
             raise
-        text = f"the file {name!r} cannot be read: {error.strerror or error}"
+        text = said("the file {name!r} cannot be read: {strerror}", name=name, strerror=error.strerror or error)
         raise InvalidValueError(text, argument="file_name", value=path) from None
     raise InvalidValueError(
-        f"the file {name!r} has {size} bytes; at most {size_max} are allowed",
+        said(
+            "the file {name!r} has {size} bytes; at most {size_max} are allowed",
+            name=name,
+            size=size,
+            size_max=size_max,
+        ),
         argument="file_name",
         value=size,
         limit=f"<= {size_max}",

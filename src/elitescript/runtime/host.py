@@ -28,6 +28,7 @@ from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import STOP, Strand, ThreadState, state_of
 from elitescript.runtime.watchdogs import Watchdogs
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
@@ -352,13 +353,19 @@ class ScriptHost:
             facts: what is known beside the threads; None for nothing.
             start_tick: tick from which the times in it are counted.
         """
-        reasons = self.reasons(facts, start_tick)
+        reasons = self.reasons(facts, start_tick, is_paused=self.is_paused)
         if reasons is None:
             return self.threads()
         return tuple(state_of(strand)._replace(because=reasons.of(strand)) for strand in self._scheduler.strands)
 
-    def reasons(self, facts: Facts | None = None, start_tick: int = 0) -> Reasons | None:
-        """Return what says why threads do not go on, for as long as time stands; None before the first program."""
+    def reasons(self, facts: Facts | None = None, start_tick: int = 0, *, is_paused: bool = False) -> Reasons | None:
+        """Return what says why threads do not go on, for as long as time stands; None before the first program.
+
+        Args:
+            facts: what is known beside the threads; None for nothing.
+            start_tick: tick from which the times in it are counted.
+            is_paused: whether it is a pause that they wait for.
+        """
         if self._unit is None:
             return None
         # Imported late: most programs go on.
@@ -366,7 +373,9 @@ class ScriptHost:
         from elitescript.runtime.why.reasons import Reasons
 
         strands, connections = self._scheduler.strands, self.connections.values()
-        return Reasons(self._unit, self._program, strands, connections, facts or Facts(), start_tick)
+        return Reasons(
+            self._unit, self._program, strands, connections, facts or Facts(), start_tick, is_paused=is_paused
+        )
 
     # ---------------------------------------------------------------- time
 
@@ -501,8 +510,8 @@ class ScriptHost:
             self.fail(held_up(strand, self._machine.tick, line, late_ms, meter.held_up_max_us / 1000, HELD_UP_HINT))
         elif not self._has_warned:
             self._has_warned = True
-            what = f"one call, or a few on end, took {late_ms} ms too long"
-            text = f"{what}: no stop acts and no stream goes on meanwhile"
+            what = said("one call, or a few on end, took {late_ms} ms too long", late_ms=late_ms)
+            text = said("{what}: no stop acts and no stream goes on meanwhile", what=what)
             line = strand.line or strand.started_line
             self._machine.emit(Warned(self._machine.tick, text, strand.name, line, "", LATE_HINT))
             if meter.notes_statements and not self._scheduler.watchers:
@@ -552,7 +561,7 @@ class ScriptHost:
 
     def _begin_secondary(self, unit: CompiledUnit) -> tuple[Strand, Program | None]:
         program, own = self._namespace()
-        name = f"sec {unit.name}" if unit.name else "sec"
+        name = said("sec {unit}", unit=unit.name) if unit.name else "sec"
         return self._spawn(program, name, program.body_of(unit), is_secondary=True), own
 
     def _warn_secondary(self, text: str, strand: Strand, line: int | None = None) -> None:

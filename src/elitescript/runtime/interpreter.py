@@ -29,6 +29,7 @@ from elitescript.runtime.alarms import summary_of
 from elitescript.runtime.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand, is_stop
+from elitescript.said import said
 
 STATEMENT: Final = "a statement of interpreter mode"
 """Reason of the wait of the main thread."""
@@ -178,7 +179,7 @@ class Interpreter:
             statement = compile_statement(SourceFile(FILE, text), program.globals.has)
         except ProgramError as error:
             first = next(found for found in error.problems if found.is_error)
-            trace = f"line {first.line}, column {first.column}, {first.text}"
+            trace = said("line {line}, column {column}, {text}", line=first.line, column=first.column, text=first.text)
             self.answers.discarded(origin, DiscardReason.COMPILE_ERROR, text, trace)
             return
         if "start_thread" in statement.calls:
@@ -357,7 +358,7 @@ class _Names:
 
     def __delitem__(self, name: str) -> None:
         if name in self._variables:
-            raise ScriptStateError(f"a statement cannot delete {name!r}, a variable of the program")
+            raise ScriptStateError(said("a statement cannot delete {name!r}, a variable of the program", name=name))
         self._globals.delete(name)
 
 

@@ -16,6 +16,7 @@ from typing import Any, Final
 from elitescript.commands.definition.quantities import shown
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.records import NamedTuple
+from elitescript.said import Said, counted, said
 from elitescript.values.concrete import UNKNOWN, glance
 from elitescript.values.plain import SIGNS
 
@@ -50,7 +51,7 @@ class Scene:
         """Return the value of an expression, if no code has to run for it; else `UNKNOWN`."""
         return glance(node, self._names)
 
-    def said(self, node: ast.AST | None) -> str:
+    def quoted(self, node: ast.AST | None) -> str:
         """Return an expression for a message: its text, and its value if that is known and differs."""
         if node is None:
             return ""
@@ -132,7 +133,8 @@ _KINDS: Final = {
 
 def _kind(name: str) -> str:
     """Return a type in words, from Python's name of it."""
-    return _KINDS.get(name, f"an object of class {name}")
+    words = _KINDS.get(name)
+    return Said(words) if words else said("an object of class {name}", name=name)
 
 
 _NUMBERS: Final = ("int", "float", "bool")
@@ -150,7 +152,7 @@ def _division(_found: re.Match[str], scene: Scene) -> Words:
         return Words("division by zero", "test the divisor before")
     name = ast.unparse(divisor)
     if isinstance(divisor, ast.Constant):
-        return Words(f"division by zero: the divisor is {name}")
+        return Words(said("division by zero: the divisor is {name}", name=name))
     value = scene.value(divisor)
     # The values of its names show why it is zero.
     parts = sorted({node.id for node in ast.walk(divisor) if isinstance(node, ast.Name)} - {name})
@@ -158,7 +160,10 @@ def _division(_found: re.Match[str], scene: Scene) -> Words:
     known = [f"{part} = {shown(held)}" for part, held in values.items() if _is_shown(held)]
     holds = f" ({', '.join(known)})" if known else ""
     zero = shown(value) if type(value) in (int, float, bool) else "0"
-    return Words(f"division by zero: `{name}` is {zero}{holds}", f"test `{name}` before the division")
+    return Words(
+        said("division by zero: `{name}` is {zero}{holds}", name=name, zero=zero, holds=holds),
+        said("test `{name}` before the division", name=name),
+    )
 
 
 def _operands(scene: Scene) -> tuple[ast.AST | None, str, ast.AST | None]:
@@ -176,8 +181,18 @@ def _operands(scene: Scene) -> tuple[ast.AST | None, str, ast.AST | None]:
 def _pair(sign: str, left: str, right: str, scene: Scene) -> Words:
     """Return the words for an operator that two types do not have."""
     first, _, second = _operands(scene)
-    where = f": {scene.said(first)} and {scene.said(second)}" if first is not None else ""
-    text = f"`{sign}` does not work between {_kind(left)} and {_kind(right)}{where}"
+    where = (
+        said(": {first} and {second}", first=scene.quoted(first), second=scene.quoted(second))
+        if first is not None
+        else ""
+    )
+    text = said(
+        "`{sign}` does not work between {kind} and {other}{where}",
+        sign=sign,
+        kind=_kind(left),
+        other=_kind(right),
+        where=where,
+    )
     return Words(text, _pair_hint(sign, left, right))
 
 
@@ -192,7 +207,7 @@ def _pair_hint(sign: str, left: str, right: str) -> str:
     if kinds & {"list", "tuple"} and sign in ("+", "-", "*", "/"):
         if sign == "+" and kinds & set(_NUMBERS):
             appended = "p + [x]" if left == "list" else "[x] + p"
-            return f"add to each element with [e + k for e in p], or append one: {appended}"
+            return said("add to each element with [e + k for e in p], or append one: {appended}", appended=appended)
         if sign == "+":
             return "`+` joins two lists or two tuples: list(x) makes a list"
         if sign == "-":
@@ -215,8 +230,14 @@ def _repetition(found: re.Match[str], scene: Scene) -> Words:
     kinds = [_type_name(scene.value(node)) for node in (first, second)]
     if "" not in kinds:
         return _pair("*", kinds[0], kinds[1], scene)
-    where = f": {scene.said(first)} and {scene.said(second)}" if first is not None else ""
-    text = f"`*` repeats a list or a text a whole number of times, not by {_kind(found[1])}{where}"
+    where = (
+        said(": {first} and {second}", first=scene.quoted(first), second=scene.quoted(second))
+        if first is not None
+        else ""
+    )
+    text = said(
+        "`*` repeats a list or a text a whole number of times, not by {kind}{where}", kind=_kind(found[1]), where=where
+    )
     return Words(text, "calculate element by element: [k * e for e in p]")
 
 
@@ -230,9 +251,17 @@ def _comparison(found: re.Match[str], scene: Scene) -> Words:
 
 def _unary(found: re.Match[str], scene: Scene) -> Words:
     operand = scene.node.operand if isinstance(scene.node, ast.UnaryOp) else None
-    where = f": {scene.said(operand)}" if operand is not None else ""
+    where = f": {scene.quoted(operand)}" if operand is not None else ""
     hint = _NO_VALUE if found[2] == "NoneType" else ""
-    return Words(f"`{found[1].rstrip(':')[-1]}` does not work with {_kind(found[2])}{where}", hint)
+    return Words(
+        said(
+            "`{sign}` does not work with {kind}{where}",
+            sign=found[1].rstrip(":")[-1],
+            kind=_kind(found[2]),
+            where=where,
+        ),
+        hint,
+    )
 
 
 # ---------------------------------------------------------------- calls
@@ -249,16 +278,17 @@ def _function_name(qualified: str, scene: Scene) -> tuple[str, int]:
     return (name, 1) if holder else (name, 0)
 
 
-def _plural(number: int) -> str:
-    return f"{number} argument{'' if number == 1 else 's'}"
-
-
 def _defined_as(name: str, scene: Scene) -> str:
     """Return the definition of a function of the program, in words."""
     function = scene.value(scene.node.func) if isinstance(scene.node, ast.Call) else UNKNOWN
     if type(function) is not FunctionType or function.__name__ != name:
         return ""
-    return f"it is defined in line {function.__code__.co_firstlineno} as {name}({', '.join(_parameters(function))})"
+    return said(
+        "it is defined in line {line} as {name}({parameters})",
+        line=function.__code__.co_firstlineno,
+        name=name,
+        parameters=", ".join(_parameters(function)),
+    )
 
 
 def _parameters(function: FunctionType) -> list[str]:
@@ -272,48 +302,67 @@ def _parameters(function: FunctionType) -> list[str]:
 
 def _surplus(found: re.Match[str], scene: Scene) -> Words:
     name, own = _function_name(found[1], scene)
-    least = f"{int(found[2]) - own} to " if found[2] else ""
     takes, given = int(found[3]) - own, int(found[4]) - own
-    allowed = f"{least}{_plural(takes)}" if takes or least else "no arguments"
-    return Words(f"{name}() takes {allowed}, got {given}", _defined_as(name, scene))
+    allowed = counted(takes, "argument", "arguments")
+    if found[2]:
+        allowed = said("{least} to {most}", least=int(found[2]) - own, most=allowed)
+    elif not takes:
+        allowed = Said("no arguments")
+    return Words(
+        said("{name}() takes {allowed}, got {given}", name=name, allowed=allowed, given=given), _defined_as(name, scene)
+    )
 
 
 def _missing(found: re.Match[str], scene: Scene) -> Words:
     name, _ = _function_name(found[1], scene)
     names = re.findall(r"'(\w+)'", found[2])
-    noun = "argument" if len(names) == 1 else "arguments"
     listed = " and ".join(f"`{item}`" for item in names)
-    return Words(f"{name}() was called without its {noun} {listed}", _defined_as(name, scene))
+    if len(names) == 1:
+        return Words(
+            said("{name}() was called without its argument {listed}", name=name, listed=listed),
+            _defined_as(name, scene),
+        )
+    return Words(
+        said("{name}() was called without its arguments {listed}", name=name, listed=listed), _defined_as(name, scene)
+    )
 
 
 def _unexpected(found: re.Match[str], scene: Scene) -> Words:
     name, _ = _function_name(found[1], scene)
-    return Words(f"{name}() has no parameter `{found[2]}`", _defined_as(name, scene))
+    return Words(
+        said("{name}() has no parameter `{parameter}`", name=name, parameter=found[2]), _defined_as(name, scene)
+    )
 
 
 def _twice(found: re.Match[str], scene: Scene) -> Words:
     name, _ = _function_name(found[1], scene)
-    return Words(f"{name}() gets its argument `{found[2]}` twice", _defined_as(name, scene))
+    return Words(
+        said("{name}() gets its argument `{parameter}` twice", name=name, parameter=found[2]), _defined_as(name, scene)
+    )
 
 
 def _not_callable(found: re.Match[str], scene: Scene) -> Words:
     function = scene.node.func if isinstance(scene.node, ast.Call) else None
     if function is None:
-        return Words(f"{_kind(found[1])} cannot be called")
+        return Words(said("{kind} cannot be called", kind=_kind(found[1])))
     hint = _NO_VALUE if found[1] == "NoneType" else ""
     if isinstance(function, ast.Name) and found[1] in _KINDS:
         name = function.id
-        hint = hint or f"write `{name}` to read the variable; if a function of that name is meant, rename the variable"
+        hint = hint or said(
+            "write `{name}` to read the variable; if a function of that name is meant, rename the variable", name=name
+        )
     elif isinstance(function, (ast.Constant, ast.BinOp, ast.Tuple, ast.List)):
         hint = "is an operator or a comma missing before the bracket?"
-    return Words(f"{_said_value(function, found[1], scene)}, which cannot be called", hint)
+    return Words(said("{what}, which cannot be called", what=_said_value(function, found[1], scene)), hint)
 
 
 def _said_value(node: ast.AST, kind: str, scene: Scene) -> str:
     """Return a text such as `x` is an int (5)."""
     name, value = ast.unparse(node), scene.value(node)
     shows = _is_shown(value) and value is not None and not isinstance(node, (ast.Constant, ast.List, ast.Tuple))
-    return f"`{name}` is {_kind(kind)}{f' ({shown(value)})' if shows else ''}"
+    if shows:
+        return said("`{name}` is {kind} ({value})", name=name, kind=_kind(kind), value=shown(value))
+    return said("`{name}` is {kind}", name=name, kind=_kind(kind))
 
 
 # ---------------------------------------------------------------- elements
@@ -330,37 +379,49 @@ def _out_of_range(found: re.Match[str], scene: Scene) -> Words:
         return Words("there is no element with this index", "the first element has the index 0")
     holder, index = scene.value(node.value), scene.value(node.slice)
     name = ast.unparse(node.value)
-    which = f"index {shown(index)}" if type(index) in (int, bool) else f"the index {scene.said(node.slice)}"
+    which = (
+        said("index {index}", index=shown(index))
+        if type(index) in (int, bool)
+        else said("the index {index}", index=scene.quoted(node.slice))
+    )
     if type(holder) in (list, tuple, str):
         count = len(holder)
-        noun = "character" if type(holder) is str else "element"
+        nouns = ("character", "characters") if type(holder) is str else ("element", "elements")
         if not count:
-            return Words(f"{which} is out of range: `{name}` is empty")
-        has = f"`{name}` has {count} {noun}{'' if count == 1 else 's'}"
-        hint = f"indices go from 0 to {count - 1}, or from -{count} to -1 counted from the end"
+            return Words(said("{which} is out of range: `{name}` is empty", which=which, name=name))
+        elements = counted(count, *nouns)
+        has = said("`{name}` has {elements}", name=name, elements=elements)
+        hint = said(
+            "indices go from 0 to {last}, or from -{count} to -1 counted from the end",
+            last=count - 1,
+            count=count,
+        )
         if count == 1:
             hint = "its only index is 0"
         if found[0].startswith("list assignment"):
-            hint += f"; `{name}.append(x)` adds an element"
-        return Words(f"{which} is out of range: {has}", hint)
-    return Words(f"{which} is out of range: `{name}` has fewer elements", "the first element has the index 0")
+            hint = said("{hint}; `{name}.append(x)` adds an element", hint=hint, name=name)
+        return Words(said("{which} is out of range: {has}", which=which, has=has), hint)
+    return Words(
+        said("{which} is out of range: `{name}` has fewer elements", which=which, name=name),
+        "the first element has the index 0",
+    )
 
 
 def _key(found: re.Match[str], scene: Scene) -> Words:
     node = scene.node
     if not isinstance(node, ast.Subscript):
         # `pop`, `remove`, or a `raise` of the program itself.
-        return Words(f"there is no key {found[0]}" if isinstance(node, ast.Call) else found[0])
+        return Words(said("there is no key {key}", key=found[0]) if isinstance(node, ast.Call) else found[0])
     holder = scene.value(node.value)
     key = scene.value(node.slice)
-    text = f"`{ast.unparse(node.value)}` has no key {found[0]}"
+    text = said("`{expression}` has no key {key}", expression=ast.unparse(node.value), key=found[0])
     if type(holder) is not dict or not all(type(item) in (str, int, float) for item in holder):
         return Words(text)
     if not holder:
-        return Words(f"{text}: it is empty")
+        return Words(said("{text}: it is empty", text=text))
     near = nearest(key, (item for item in holder if type(item) is str)) if type(key) is str else ""
     keys = ", ".join(shown(item) for item in list(holder)[:_MOST_ELEMENTS])
-    return Words(text, f"is {near!r} meant?" if near else f"it has {keys}")
+    return Words(text, said("is {near!r} meant?", near=near) if near else said("it has {keys}", keys=keys))
 
 
 def _unpacking(found: re.Match[str], scene: Scene) -> Words:
@@ -375,26 +436,29 @@ def _unpacking(found: re.Match[str], scene: Scene) -> Words:
     else:
         name = "the value"
     has = got or ("fewer" if found[0].startswith("not enough") else "more")
-    elements = "1 element" if has == "1" else f"{has} elements"
-    return Words(f"{name} has {elements} for {expected} names", "there must be as many names as elements")
+    elements = "1 element" if has == "1" else said("{has} elements", has=has)
+    return Words(
+        said("{name} has {elements} for {expected} names", name=name, elements=elements, expected=expected),
+        "there must be as many names as elements",
+    )
 
 
 def _not_unpackable(found: re.Match[str], scene: Scene) -> Words:
     statement = scene.statement()
     hint = _NO_VALUE if found[1] == "NoneType" else ""
     if isinstance(statement, ast.Assign):
-        said = _said_value(statement.value, found[1], scene)
+        value = _said_value(statement.value, found[1], scene)
         if isinstance(statement.value, ast.Constant):
-            said = f"the value is {_kind(found[1])}"
-        return Words(f"{said}, which has no elements for these names", hint)
-    return Words(f"{_kind(found[1])} has no elements for these names", hint)
+            value = said("the value is {kind}", kind=_kind(found[1]))
+        return Words(said("{value}, which has no elements for these names", value=value), hint)
+    return Words(said("{kind} has no elements for these names", kind=_kind(found[1])), hint)
 
 
 def _not_subscriptable(found: re.Match[str], scene: Scene) -> Words:
     hint = _NO_VALUE if found[1] == "NoneType" else ""
     if isinstance(scene.node, ast.Subscript):
-        return Words(f"{_said_value(scene.node.value, found[1], scene)}, which has no elements", hint)
-    return Words(f"{_kind(found[1])} has no elements", hint)
+        return Words(said("{what}, which has no elements", what=_said_value(scene.node.value, found[1], scene)), hint)
+    return Words(said("{kind} has no elements", kind=_kind(found[1])), hint)
 
 
 def _fixed(found: re.Match[str], scene: Scene) -> Words:
@@ -405,15 +469,23 @@ def _fixed(found: re.Match[str], scene: Scene) -> Words:
     if kind == "NoneType":
         hint = _NO_VALUE
     name = f": `{ast.unparse(scene.node.value)}`" if isinstance(scene.node, ast.Subscript) else ""
-    return Words(f"elements of {_kind(kind)} cannot be changed{name}", hint)
+    return Words(said("elements of {kind} cannot be changed{name}", kind=_kind(kind), name=name), hint)
 
 
 def _wrong_index(found: re.Match[str], scene: Scene) -> Words:
     holder = {"string": "str"}.get(found[1], found[1])
     index = scene.node.slice if isinstance(scene.node, ast.Subscript) else None
-    where = f": {scene.said(index)}" if index is not None else ""
+    where = f": {scene.quoted(index)}" if index is not None else ""
     hint = "int(x) makes an int of it" if found[2] == "float" else ""
-    return Words(f"the index of {_kind(holder)} must be an int, not {_kind(found[2])}{where}", hint)
+    return Words(
+        said(
+            "the index of {kind} must be an int, not {given}{where}",
+            kind=_kind(holder),
+            given=_kind(found[2]),
+            where=where,
+        ),
+        hint,
+    )
 
 
 def _not_iterable(found: re.Match[str], scene: Scene) -> Words:
@@ -426,20 +498,23 @@ def _not_iterable(found: re.Match[str], scene: Scene) -> Words:
         statement = scene.statement()
         node = statement.iter if isinstance(statement, ast.For) else None
     if isinstance(node, (ast.Name, ast.Attribute, ast.Subscript)):
-        return Words(f"{_said_value(node, kind, scene)}, which has no elements to go through", hint)
-    return Words(f"{_kind(kind)} has no elements to go through", hint)
+        return Words(said("{what}, which has no elements to go through", what=_said_value(node, kind, scene)), hint)
+    return Words(said("{kind} has no elements to go through", kind=_kind(kind)), hint)
 
 
 def _not_a_container(found: re.Match[str], scene: Scene) -> Words:
     second = scene.node.comparators[0] if isinstance(scene.node, ast.Compare) else None
-    where = f": {scene.said(second)}" if second is not None else ""
-    return Words(f"`in` cannot look into {_kind(found[1])}{where}")
+    where = f": {scene.quoted(second)}" if second is not None else ""
+    return Words(said("`in` cannot look into {kind}{where}", kind=_kind(found[1]), where=where))
 
 
 def _no_length(found: re.Match[str], scene: Scene) -> Words:
     argument = scene.node.args[0] if isinstance(scene.node, ast.Call) and len(scene.node.args) == 1 else None
-    where = f": {scene.said(argument)}" if argument is not None else ""
-    return Words(f"{_kind(found[1])} has no length{where}", _NO_VALUE if found[1] == "NoneType" else "")
+    where = f": {scene.quoted(argument)}" if argument is not None else ""
+    return Words(
+        said("{kind} has no length{where}", kind=_kind(found[1]), where=where),
+        _NO_VALUE if found[1] == "NoneType" else "",
+    )
 
 
 _ELSEWHERE: Final = {
@@ -463,11 +538,18 @@ def _no_attribute(found: re.Match[str], scene: Scene) -> Words:
         node = scene.node
         if isinstance(node, ast.Call):
             node = node.func
-        of = f"`{ast.unparse(node.value)}` is None, which" if isinstance(node, ast.Attribute) else "None"
-        return Words(f"{of} has no `{name}`", _NO_VALUE)
+        of = (
+            said("`{expression}` is None, which", expression=ast.unparse(node.value))
+            if isinstance(node, ast.Attribute)
+            else "None"
+        )
+        return Words(said("{of} has no `{name}`", of=of, name=name), _NO_VALUE)
     near = nearest(name, (item for item in dir(_OF_PYTHON[kind]) if item[0] != "_")) if kind in _OF_PYTHON else ""
     hint = _ELSEWHERE.get(name, "") if kind in ("list", "tuple", "dict", "str") else ""
-    return Words(f"{_kind(kind)} has no `{name}`", f"is `{near}` meant?" if near else hint)
+    return Words(
+        said("{kind} has no `{name}`", kind=_kind(kind), name=name),
+        said("is `{near}` meant?", near=near) if near else hint,
+    )
 
 
 # ---------------------------------------------------------------- names and values
@@ -475,32 +557,46 @@ def _no_attribute(found: re.Match[str], scene: Scene) -> Words:
 
 def _no_value_yet(found: re.Match[str], _scene: Scene) -> Words:
     name = found[1]
-    hint = f"assign it before, or write `global {name}` at the start of the function if the global is meant"
-    return Words(f"the variable `{name}` has no value yet here", hint)
+    hint = said(
+        "assign it before, or write `global {name}` at the start of the function if the global is meant", name=name
+    )
+    return Words(said("the variable `{name}` has no value yet here", name=name), hint)
 
 
 def _no_free_value(found: re.Match[str], _scene: Scene) -> Words:
-    return Words(f"the variable `{found[1]}` of the enclosing function has no value yet", "assign it before the call")
+    return Words(
+        said("the variable `{name}` of the enclosing function has no value yet", name=found[1]),
+        "assign it before the call",
+    )
 
 
 def _not_an_int(found: re.Match[str], _scene: Scene) -> Words:
     hint = "int(float(x)) takes a text with a decimal point" if re.fullmatch(r"'\s*[+-]?\d*\.\d*\s*'", found[1]) else ""
-    return Words(f"the text {found[1]} is not an int", hint)
+    return Words(said("the text {name} is not an int", name=found[1]), hint)
 
 
 def _not_convertible(found: re.Match[str], _scene: Scene) -> Words:
-    return Words(f"{found[1]}() cannot make a number of {_kind(found[2])}", _NO_VALUE if found[2] == "NoneType" else "")
+    return Words(
+        said("{name}() cannot make a number of {kind}", name=found[1], kind=_kind(found[2])),
+        _NO_VALUE if found[2] == "NoneType" else "",
+    )
 
 
 def _domain(_found: re.Match[str], scene: Scene) -> Words:
     if isinstance(scene.node, ast.Call):
-        arguments = [scene.said(argument) for argument in scene.node.args]
-        return Words(f"{ast.unparse(scene.node.func)}() has no result for {', '.join(arguments)}")
+        arguments = [scene.quoted(argument) for argument in scene.node.args]
+        return Words(
+            said(
+                "{expression}() has no result for {arguments}",
+                expression=ast.unparse(scene.node.func),
+                arguments=", ".join(arguments),
+            )
+        )
     return Words("the function has no result for this value")
 
 
 def _no_file(found: re.Match[str], _scene: Scene) -> Words:
-    return Words(f"there is no file {found[1]}", "paths count from the task folder (--task-dir)")
+    return Words(said("there is no file {name}", name=found[1]), "paths count from the task folder (--task-dir)")
 
 
 def _said(text: str, hint: str = "") -> Callable[[re.Match[str], Scene], Words]:
@@ -510,7 +606,7 @@ def _said(text: str, hint: str = "") -> Callable[[re.Match[str], Scene], Words]:
 def _assertion(_found: re.Match[str], scene: Scene) -> Words:
     node = scene.node if isinstance(scene.node, ast.Assert) else scene.statement()
     condition = f": `{ast.unparse(node.test)}`" if isinstance(node, ast.Assert) else ""
-    return Words(f"the condition of `assert` is not true{condition}")
+    return Words(said("the condition of `assert` is not true{condition}", condition=condition))
 
 
 _TABLE: Final[tuple[tuple[tuple[str, ...], str, Callable[[re.Match[str], Scene], Words]], ...]] = (

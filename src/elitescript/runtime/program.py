@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -28,6 +28,7 @@ from elitescript.runtime.probe import witness
 from elitescript.runtime.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.runtime.probe import Probe
@@ -37,6 +38,8 @@ SECONDARIES_KEPT: Final = 16
 """Secondary programs, the newest ones, that are kept for a debugger that may come."""
 SOURCES_MAX: Final = 256
 """Texts of `eval` and `exec` that are kept, to show their lines."""
+
+EMPTY: Final[Mapping[str, Any]] = {}
 
 _NOT_SHOWN: Final = (FunctionType, BuiltinFunctionType, type, ModuleType, Facade)
 """Values that the variable monitor leaves out."""
@@ -125,8 +128,8 @@ class Program:
     def main(self, strand: Strand) -> None:
         self._main = strand
 
-    def body_of(self, unit: CompiledUnit) -> Callable[[], None]:
-        """Return the body of a unit as a function with the names of this program."""
+    def body_of(self, unit: CompiledUnit, variables: Mapping[str, Any] = EMPTY) -> Callable[[], None]:
+        """Return the body of a unit as a function with the names of this program, and with variables to read."""
         self._add_source(unit.source)
         self.bindings.bind(unit.code)
         if unit.shows_hash_order:
@@ -137,6 +140,12 @@ class Program:
             self.units.append(unit)
 
         def body() -> None:
+            if variables:
+                names = _Scope(self.globals.values, dict(variables))
+                dict.__setitem__(names, "__builtins__", self.builtins)
+                exec(unit.code, names)
+                names.pop(MAIN)()
+                return
             exec(unit.code, self.globals.values)
             self.globals.values.pop(MAIN)()
 
@@ -234,8 +243,8 @@ class Program:
         return evaluate
 
     def _executor(self) -> Callable[..., None]:
-        def execute(text: Any) -> None:
-            """Run statements that share the program globals, but not the local variables.
+        def execute(text: Any, *names: Any) -> None:
+            """Run statements that share the program globals, and read the variables of the calling function.
 
             Raises:
                 SyntaxError: no program, or a forbidden name.
@@ -243,11 +252,19 @@ class Program:
             self.scheduler.note_call()
             if type(text) is not str:
                 raise TypeError(f"exec() takes a str, not {type(text).__name__}")
+            if names:
+                raise ScriptPermissionError(
+                    "exec() takes no dicts of names",
+                    command="exec",
+                    hint="write `global x` in the text and read x, or compute one value with eval(text, names)",
+                )
             try:
                 unit = compile_unit(SourceFile(f"<exec {len(self._sources)}>", text), Options(kind="script"))
             except ProgramError as error:
                 raise _syntax_error(error) from None
-            self.body_of(unit)()
+            frame = sys._getframe(1)
+            variables = frame.f_locals if frame.f_builtins is self.builtins and not unit.global_names else {}
+            self.body_of(unit, variables)()
 
         execute.__name__ = execute.__qualname__ = "exec"
         return execute
@@ -357,7 +374,7 @@ def _checked_scope(scope: Any) -> dict[str, Any]:
         raise TypeError(f"eval() takes its names from a dict, not {type(scope).__name__}")
     for name in scope:
         if type(name) is not str or name.startswith(("__", "@")):
-            raise ScriptPermissionError(f"eval(): {name!r} cannot be a name", value=str(name))
+            raise ScriptPermissionError(said("eval(): {name!r} cannot be a name", name=name), value=str(name))
     return dict(scope)
 
 

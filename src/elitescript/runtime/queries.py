@@ -16,6 +16,7 @@ from elitescript.runtime.program import Program
 from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand, is_stop
+from elitescript.said import said
 
 LIMIT_TICKS: Final = TICKS_PER_S // 10
 """Virtual time that a query may take (*assumed*: only quick functions are allowed)."""
@@ -75,13 +76,18 @@ def _body_of(query: WaitingQuery, program: Program) -> Callable[[], None]:
 
     def body() -> None:
         value: str | None = None
-        why = f"it was stopped: it ended itself, or took more than {seconds(LIMIT_TICKS):g} s of robot time"
+        why = said(
+            "it was stopped: it ended itself, or took more than {seconds:g} s of robot time",
+            seconds=seconds(LIMIT_TICKS),
+        )
         try:
             shown = without_addresses(repr(program.value_of(query.code)))
             if len(shown) <= VALUE_MAX:
                 value, why = shown, ""
             else:
-                why = f"the value has {len(shown)} characters, {VALUE_MAX} are allowed"
+                why = said(
+                    "the value has {count} characters, {value_max} are allowed", count=len(shown), value_max=VALUE_MAX
+                )
         except BaseException as error:
             if is_stop(error) or isinstance(error, KeyboardInterrupt):
                 raise

@@ -11,6 +11,7 @@ from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.program import Program
 from elitescript.runtime.threads.scheduler import DEBUGGER, Scheduler
 from elitescript.runtime.threads.strand import Strand
+from elitescript.said import said
 
 LIMIT_TICKS: Final = TICKS_PER_S
 """Virtual time that a secondary program may take (*assumed*: the manual says not to run it for long)."""
@@ -75,7 +76,7 @@ class Secondaries(Generic[Item]):
             ScriptStateError: too many wait.
         """
         if len(self._queue) >= self._queue_max:
-            raise ScriptStateError(f"{self._queue_max} secondary programs wait already")
+            raise ScriptStateError(said("{count} secondary programs wait already", count=self._queue_max))
         self._queue.append(item)
 
     def next_tick(self, tick: int) -> int | None:
@@ -91,7 +92,10 @@ class Secondaries(Generic[Item]):
         has_changed = False
         strand = self._strand
         if strand is not None and self._scheduler.now >= self._deadline and strand.waits_for != DEBUGGER:
-            self._warn(f"TimeoutError: stopped after {seconds(self._limit_ticks):g} s, it must be short", strand)
+            self._warn(
+                said("TimeoutError: stopped after {seconds:g} s, it must be short", seconds=seconds(self._limit_ticks)),
+                strand,
+            )
             self._scheduler.kill(strand)
             has_changed = True
         if self._strand is None and self._queue:

@@ -15,6 +15,7 @@ from elitescript.messages.events import Warned
 from elitescript.messages.machine import PauseTask, StopTask
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.records import NamedTuple
+from elitescript.said import Said, said
 
 
 class Watch(NamedTuple):
@@ -48,7 +49,9 @@ class Watchdogs:
             InvalidValueError: there is no such input.
         """
         if not self._is_input(variable):
-            raise InvalidValueError(f"no RTSI input is called {variable!r}", argument="variable", value=variable)
+            raise InvalidValueError(
+                said("no RTSI input is called {variable!r}", variable=variable), argument="variable", value=variable
+            )
         self._watches.pop(variable, None)
         if action != "ignore":
             self._watches[variable] = Watch(ceil(TICKS_PER_S / frequency_hz - 1e-9) + 1, action)
@@ -83,8 +86,13 @@ class Watchdogs:
                 continue
             self.restart(tick)
             is_paused = watch.action == "pause"
-            text = f"RTSI input {name} has not come for {seconds(silent_ticks):g} s: the program is "
-            text += f"{'paused' if is_paused else 'stopped'} (rtsi_set_watchdog)"
+            what = Said("the program is paused" if is_paused else "the program is stopped")
+            text = said(
+                "RTSI input {name} has not come for {silent_s:g} s: {what} (rtsi_set_watchdog)",
+                name=name,
+                silent_s=seconds(silent_ticks),
+                what=what,
+            )
             self._machine.emit(Warned(tick, text))
             self._machine.request(PauseTask() if is_paused else StopTask())
             return

@@ -29,6 +29,7 @@ from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import seconds
 from elitescript.models.model import RobotModel
 from elitescript.records import NamedTuple
+from elitescript.said import said
 from elitescript.solids.cell import Cell
 from elitescript.solids.distance import Closest
 from elitescript.solids.frames import frames_of
@@ -83,8 +84,18 @@ class Contact(NamedTuple):
     @property
     def text(self) -> str:
         """What touches what, how deep and when, in words."""
-        words = f"{self.first} touches {self.second}: {-1000.0 * self.distance_m:.1f} mm deep at {self.t:.3f} s"
-        return words if self.t == self.start_s else f"{words}, from {self.start_s:.3f} s on"
+        words = said(
+            "{first} touches {second}: {depth_mm:.1f} mm deep at {t:.3f} s",
+            first=self.first,
+            second=self.second,
+            depth_mm=-1000.0 * self.distance_m,
+            t=self.t,
+        )
+        return (
+            words
+            if self.t == self.start_s
+            else said("{words}, from {start_s:.3f} s on", words=words, start_s=self.start_s)
+        )
 
 
 class _Move(NamedTuple):

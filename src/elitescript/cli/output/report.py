@@ -30,6 +30,7 @@ from elitescript.messages.events import (
 from elitescript.messages.timing import seconds
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
+from elitescript.said import parts_of
 from elitescript.shown import shown, shown_word
 
 TYPE_CHECKING = False
@@ -120,6 +121,8 @@ class JsonRunReport:
             record["threads"] = [thread._asdict() for thread in run.threads]
         record["findings"] = run.findings.counts() if run.has_findings else dict(NO_FINDINGS)
         record["why"] = run.why
+        if run.why is not None:
+            record |= parts_of(run.why, "why_")
         self._write(record)
 
     def finish(self) -> None:

@@ -17,6 +17,7 @@ from typing import Annotated, Any, Final
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError, ScriptError
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import SIGNALS
+from elitescript.said import said
 
 _LONGEST_SHOWN: Final = 80
 """Characters of a wrong value that a message repeats."""
@@ -89,13 +90,17 @@ class Quantity:
         """Return the error for a value of another type."""
         wanted = wanted or self.type_name
         given = _described(value)
-        return ArgumentTypeError(f"must be {wanted}, not {given}", value=value, limit=wanted, unit=self.unit)
+        text = said("must be {wanted}, not {given}", wanted=wanted, given=given)
+        return ArgumentTypeError(text, value=value, limit=wanted, unit=self.unit)
 
     def out_of_range(self, value: Any, limit: str = "") -> ScriptError:
         """Return the error for a value outside its range, or outside `limit` when that says it better."""
         allowed = limit or f"{self.limit} {self.unit}".rstrip()
         return ArgumentRangeError(
-            f"must be {allowed}, got {shown(value)}", value=value, limit=limit or self.limit, unit=self.unit
+            said("must be {allowed}, got {value}", allowed=allowed, value=shown(value)),
+            value=value,
+            limit=limit or self.limit,
+            unit=self.unit,
         )
 
 
@@ -264,7 +269,7 @@ class Vector(Quantity):
     def __init__(
         self, element: Quantity, count: int | None, unit: str = "", names: str = "", *, meaning: str = ""
     ) -> None:
-        size = f" of {count}" if count else ""
+        size = said(" of {count}", count=count) if count else ""
         super().__init__(f"list[{element.type_name}]{size}", unit or element.unit, meaning)
         self.element = element
         self._takes_any_finite = isinstance(element, Number) and not element.limit and not element.allows_non_finite
@@ -280,11 +285,20 @@ class Vector(Quantity):
     def coerce(self, value: Any) -> tuple[Any, ...]:
         if not isinstance(value, (list, tuple)):
             count = "" if self.count is None else f"{self.count} "
-            raise self.wrong_type(value, f"a list of {count}{_PLURALS.get(self.element.type_name, 'values')}")
+            raise self.wrong_type(
+                value,
+                said("a list of {count}{plurals}", count=count, plurals=_PLURALS.get(self.element.type_name, "values")),
+            )
         if self.count is not None and len(value) != self.count:
             names = f" {self.names}" if self.names else ""
             raise ArgumentTypeError(
-                f"must have {self.count} elements{names}, got {len(value)}: {shown(value)}",
+                said(
+                    "must have {count} elements{names}, got {given}: {value}",
+                    count=self.count,
+                    names=names,
+                    given=len(value),
+                    value=shown(value),
+                ),
                 value=value,
                 limit=f"{self.count} elements",
                 unit=self.unit,
@@ -299,7 +313,7 @@ class Vector(Quantity):
             try:
                 result.append(coerce(item))
             except ScriptError as error:
-                error.args = (f"element {index} {error.args[0]}",)
+                error.set_text(said("element {index} {mistake}", index=index, mistake=error.said))
                 error.unit = error.unit or self.unit
                 raise
         return tuple(result)

@@ -17,6 +17,7 @@ from elitescript.errors import ArgumentCountError, InternalError, ScriptError, S
 from elitescript.messages.motion import DIRECTION_M
 from elitescript.messages.profile import release_of
 from elitescript.records import NamedTuple
+from elitescript.said import Said, counted, said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt, Judge
@@ -225,7 +226,7 @@ class Command:
     @property
     def call_hint(self) -> str:
         """What to do about a wrong call."""
-        return f"it is called as {self.signature}"
+        return said("it is called as {signature}", signature=self.signature)
 
     def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Put arguments in order, fill in defaults, coerce and check.
@@ -252,7 +253,8 @@ class Command:
             if error.command is None:
                 error.command = self.name
                 error.argument = argument = details.params[len(values)].name
-                error.args = (f"{self.name}: {argument} {error.args[0]}",)
+                text = f"{self.name}: {argument} {error.args[0]}"
+                error.put_into(text, "{command}: {argument} {mistake}", command=self.name, argument=argument)
             raise
 
     def call(self, robot: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
@@ -262,7 +264,7 @@ class Command:
             ScriptError: bad arguments, a call that a secondary program may not make, or the command's own refusal.
         """
         if not self.works_in_sec and robot is not None and robot.is_secondary:
-            text = f"{self.name} moves or waits, which a secondary program (sec) may not do"
+            text = said("{name} moves or waits, which a secondary program (sec) may not do", name=self.name)
             raise ScriptStateError(text, code="R120", command=self.name)
         values = self.bind(args, kwargs)
         details = self._details or self.details
@@ -274,7 +276,7 @@ class Command:
         except ScriptError as error:
             if error.command is None:
                 error.command = self.name
-                error.args = (f"{self.name}: {error.args[0]}",)
+                error.put_into(f"{self.name}: {error.args[0]}", "{command}: {mistake}", command=self.name)
             if doubts:
                 # One finding about one argument: the refusal, with the hint of the doubt.
                 robot.hold_doubts(())
@@ -299,7 +301,12 @@ class Command:
                 doubts = [doubt for doubt in doubts if not _is_direction(value, doubt)]
             if is_kind and (other := robot.mistaken(param.quantity.meaning, value)) is not None:
                 doubts.append(other)
-            found += [doubt._replace(text=f"{self.name}: {param.name}{doubt.text}") for doubt in doubts]
+            found += [
+                doubt._replace(
+                    text=said("{command}: {argument}{doubt}", command=self.name, argument=param.name, doubt=doubt.text)
+                )
+                for doubt in doubts
+            ]
         return found
 
     def place(self, positional: int, keywords: Sequence[str], *, is_complete: bool = True) -> Placement:
@@ -314,23 +321,63 @@ class Command:
         slots: list[int | str | None] = [*range(min(positional, len(params))), *[None] * (len(params) - positional)]
         misfits: list[Misfit] = []
         if positional > len(params) and not self.takes_more:
-            at_most = "" if required == len(params) else "at most "
-            allowed = f"{at_most}{len(params)} argument{'' if len(params) == 1 else 's'}" if params else "no arguments"
-            misfits.append(Misfit(len(params), f"{self.name} takes {allowed}, got {positional}"))
+            allowed = counted(len(params), "argument", "arguments") if params else Said("no arguments")
+            if required != len(params):
+                allowed = said("at most {arguments}", arguments=allowed)
+            misfits.append(
+                Misfit(
+                    len(params),
+                    said(
+                        "{name} takes {allowed}, got {positional}",
+                        name=self.name,
+                        allowed=allowed,
+                        positional=positional,
+                    ),
+                )
+            )
         for keyword in keywords:
             index = indices.get(keyword)
             if index is None:
                 names = ", ".join(param.name for param in params) or "none"
-                misfits.append(Misfit(keyword, f"{self.name} has no argument `{keyword}`; its arguments: {names}"))
+                misfits.append(
+                    Misfit(
+                        keyword,
+                        said(
+                            "{name} has no argument `{keyword}`; its arguments: {names}",
+                            name=self.name,
+                            keyword=keyword,
+                            names=names,
+                        ),
+                    )
+                )
             elif slots[index] is not None:
-                misfits.append(Misfit(keyword, f"{self.name} gets the argument `{params[index].name}` twice"))
+                misfits.append(
+                    Misfit(
+                        keyword,
+                        said(
+                            "{name} gets the argument `{argument}` twice",
+                            name=self.name,
+                            argument=params[index].name,
+                        ),
+                    )
+                )
             else:
                 slots[index] = keyword
         # A misspelt keyword is reported; that its parameter is missing then follows.
         if is_complete and not misfits and None in slots[:required]:
             missing = [f"`{params[index].name}`" for index in range(required) if slots[index] is None]
             plural = "" if len(missing) == 1 else "s"
-            misfits.append(Misfit(None, f"{self.name} misses the argument{plural} {', '.join(missing)}"))
+            misfits.append(
+                Misfit(
+                    None,
+                    said(
+                        "{name} misses the argument{plural} {missing}",
+                        name=self.name,
+                        plural=plural,
+                        missing=", ".join(missing),
+                    ),
+                )
+            )
         return Placement(tuple(slots), tuple(misfits))
 
     def _arrange(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:

@@ -10,6 +10,7 @@ from elitescript.commands.definition.foreign import FOREIGN
 from elitescript.commands.definition.reserved import RESERVED
 from elitescript.messages.profile import PROFILES, Profile, release_of
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 
 class Vocabulary(NamedTuple):
@@ -35,12 +36,17 @@ def vocabulary_of(profile: Profile) -> Vocabulary:
 
 def newer_firmware_text(name: str, since: str, profile: Profile) -> str:
     """Return the message about a command that the firmware does not have yet, before and during the run."""
-    return f"{name} needs firmware {since} or newer; the chosen one is {profile.name}"
+    return said(
+        "{name} needs firmware {since} or newer; the chosen one is {profile}",
+        name=name,
+        since=since,
+        profile=profile.name,
+    )
 
 
 def newer_firmware_hint(since: str) -> str:
     """Return the hint for a command that the firmware does not have yet."""
     newest = max(PROFILES.values(), key=lambda profile: profile.release)
     if release_of(since) > newest.release:
-        return f"the newest firmware that is simulated is {newest.name}"
-    return f"if the robot has it, choose --firmware {newest.name}"
+        return said("the newest firmware that is simulated is {newest}", newest=newest.name)
+    return said("if the robot has it, choose --firmware {newest}", newest=newest.name)

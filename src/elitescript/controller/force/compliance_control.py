@@ -22,6 +22,7 @@ from elitescript.messages.timing import TICKS_PER_S
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, ForceMode, Freedrive, YieldRequest
 from elitescript.models.model import RobotModel
 from elitescript.motion.limits import MotionLimits
+from elitescript.said import Said, said
 
 if TYPE_CHECKING:
     from elitescript.messages.observations import Observation
@@ -130,9 +131,12 @@ class ComplianceControl:
             return self._end_guiding(tick, caller)
         if force.is_active or is_moving:
             raise MotionError(
-                f"hand guiding cannot begin {'in force mode' if force.is_active else 'while the arm moves'}",
+                said(
+                    "hand guiding cannot begin {when}",
+                    when=Said("in force mode") if force.is_active else Said("while the arm moves"),
+                ),
                 code="R114",
-                hint=f"call {'end_force_mode' if force.is_active else 'stopj'} first",
+                hint=said("call {command} first", command="end_force_mode" if force.is_active else "stopj"),
             )
         self._guide(request, tick, caller)
         self._is_guided_by_input = False
@@ -201,7 +205,9 @@ class ComplianceControl:
         if arm.is_moving:
             why_not = why_not or "the arm moves already"
         if why_not:
-            self._on_event(Warned(tick, f"{point} asks for hand guiding, but {why_not}"))
+            self._on_event(
+                Warned(tick, said("{point} asks for hand guiding, but {why_not}", point=point, why_not=why_not))
+            )
         elif not self._guiding.is_on:
             self._guide(Freedrive((True,) * 6), tick, Caller(0, ""))
             self._is_guided_by_input = True
@@ -254,7 +260,7 @@ class ComplianceControl:
     def _require_no_guiding(self, what: str) -> None:
         if self._guiding.is_on or self._guiding.is_active:
             raise MotionError(
-                f"{what} is not possible while the arm is guided by hand",
+                said("{what} is not possible while the arm is guided by hand", what=what),
                 code="R114",
                 hint="call end_freedrive_mode first",
             )

@@ -14,6 +14,7 @@ from elitescript.errors import UsageError
 from elitescript.kinematics.rotations import Vector3
 from elitescript.messages.motion import Six
 from elitescript.records import field, record
+from elitescript.said import said
 
 SLIDING_M_S: Final = 1e-3
 """Below this speed friction falls to zero in proportion, so that a point at rest is not pushed (*assumed*)."""
@@ -106,7 +107,14 @@ class ContactConfig:
         rows = table.get("planes", [])
         if not isinstance(rows, list) or not all(isinstance(row, Mapping) for row in rows):
             raise UsageError("[contact] planes must be tables, written as [[contact.planes]]")
-        return cls(tuple([_plane_from(f"[[contact.planes]] {number}:", row) for number, row in enumerate(rows, 1)]))
+        return cls(
+            tuple(
+                [
+                    _plane_from(said("[[contact.planes]] {number}:", number=number), row)
+                    for number, row in enumerate(rows, 1)
+                ]
+            )
+        )
 
 
 _KEYS: Final = ("point", "normal", "stiffness", "damping", "friction")

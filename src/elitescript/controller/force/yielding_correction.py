@@ -30,6 +30,7 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle
 from elitescript.motion.streaming.twist import ToolMotion
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 NONE_FREE: Final = (False,) * 6
 
@@ -176,9 +177,11 @@ class YieldingCorrection(ABC):
         self._axes, self._velocity, self._nominal = step.axes, step.velocity, nominal
         self._tcp = self._body.setup.T_flange_tcp
         if step.obstacle is not None:
-            self._warn(tick, step.obstacle.code, f"{step.obstacle.text}; the arm does not yield further")
+            self._warn(
+                tick, step.obstacle.code, said("{text}; the arm does not yield further", text=step.obstacle.text)
+            )
         elif not step.yielded.is_bound_kept:
-            text = f"{self.name}: the joints cannot follow so fast; the arm leaves its path"
+            text = said("{name}: the joints cannot follow so fast; the arm leaves its path", name=self.name)
             self._warn(tick, "fast", text)
         if step.is_level and not self.is_on:
             self._selection = NONE_FREE

@@ -50,6 +50,7 @@ from elitescript.motion.streaming.speed import Obstacle, SpeedProfile, braked, h
 from elitescript.motion.streaming.twist import ToolMotion
 from elitescript.motion.timing.timescale import stop_ramp, stop_ramp_tool
 from elitescript.records import replace
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.messages.observations import MotionLeft, Observation
@@ -470,7 +471,9 @@ class MotionControl:
         self._report_take_over(source, request, call)
         if drive.is_lowered:
             name = type(request).__name__.lower()
-            text = f"{name} asks for more than the arm can do; it goes as fast as it can, in the same direction"
+            text = said(
+                "{name} asks for more than the arm can do; it goes as fast as it can, in the same direction", name=name
+            )
             self._notices.once(call.line, "speed", Warned(tick, text, call.thread, call.line))
         self._changed(tick)
         return number
@@ -533,7 +536,9 @@ class MotionControl:
             self.on_obstacle(tick, obstacle, source.thread, source.line)
 
     def _warn_of_obstacle(self, tick: int, obstacle: Obstacle, thread: str, line: int) -> None:
-        self._notices.once(line, "obstacle", Warned(tick, f"{obstacle.text}; the arm brakes", thread, line))
+        self._notices.once(
+            line, "obstacle", Warned(tick, said("{text}; the arm brakes", text=obstacle.text), thread, line)
+        )
 
     def _brake(self, request: StopJ | StopL, tick: int, T_flange_tcp: Transform) -> int:
         source = self._source

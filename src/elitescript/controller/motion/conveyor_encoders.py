@@ -21,6 +21,7 @@ from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 ENCODERS: Final = 2
 
@@ -178,14 +179,20 @@ class Encoder:
         index, count, limits = self._index, request.count, self.range
         if not self._is_set_by_program:
             raise ScriptStateError(
-                f"encoder {index} does not take its count from the program",
+                said("encoder {index} does not take its count from the program", index=index),
                 code="R122",
                 value=count,
-                hint=f"encoder_enable_set_tick_count({index}, range_id) prepares it",
+                hint=said("encoder_enable_set_tick_count({index}, range_id) prepares it", index=index),
             )
         if not limits.low <= count <= limits.high:
             raise ArgumentRangeError(
-                f"count must be in [{limits.low}, {limits.high}], the range of encoder {index}, got {count:.12g}",
+                said(
+                    "count must be in [{low}, {high}], the range of encoder {index}, got {count:.12g}",
+                    low=limits.low,
+                    high=limits.high,
+                    index=index,
+                    count=count,
+                ),
                 argument="count",
                 value=count,
                 limit=f"[{limits.low}, {limits.high}]",

@@ -38,6 +38,7 @@ from elitescript.motion.timing.pursuit import CatchUp, Coast, caught_up
 if TYPE_CHECKING:
     from elitescript.messages.observations import Observation
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 GENTLE_S: Final = 0.2
 """Small lags are caught up no sooner (*assumed*), so that whole counts that a program sets do not shake the arm."""
@@ -181,7 +182,7 @@ class Tracking:
             return self._end(tick, self._halted(), thread)
         if self._conveyor is not None:
             raise MotionError(
-                f"the arm tracks a conveyor already, since line {self._line}; one at a time",
+                said("the arm tracks a conveyor already, since line {line}; one at a time", line=self._line),
                 code="R114",
                 hint="end it with stop_conveyor_tracking first",
             )
@@ -295,7 +296,9 @@ class Tracking:
         q = solve_branch(arm, T_base_flange, branch_of(arm, nominal.q), q_near[5])
         if q is None:
             reason = reason_unreachable(arm, T_base_flange) or "the arm would have to change its configuration"
-            return Obstacle("R111", f"{WHAT} takes the tool out of reach: {reason}", way, "", "")
+            return Obstacle(
+                "R111", said("{what} takes the tool out of reach: {reason}", what=WHAT, reason=reason), way, "", ""
+            )
         q = unwrapped(q, q_near)
         twist = ZERO_SIX
         if nominal.qd != ZERO_SIX:

@@ -25,6 +25,7 @@ from elitescript.motion.streaming.speed import (
     range_obstacle,
     within_speed_limits,
 )
+from elitescript.said import said
 
 
 class Drive:
@@ -209,13 +210,18 @@ def busy_error(source: MotionSource, thread: str) -> MotionError:
     if isinstance(source, Drive):
         what = type(source.request).__name__.lower()
         return MotionError(
-            f"the arm is moving already: {what} of line {source.line}, thread {source.thread!r}, goes on after its "
-            "call, and a planned move begins at standstill",
+            said(
+                "the arm is moving already: {what} of line {line}, thread {thread!r}, goes on after its "
+                "call, and a planned move begins at standstill",
+                what=what,
+                line=source.line,
+                thread=source.thread,
+            ),
             code="R114",
             hint="brake with stopj or stopl first",
         )
     return MotionError(
-        f"the arm is moving already, for the thread {thread!r}; one motion at a time",
+        said("the arm is moving already, for the thread {thread!r}; one motion at a time", thread=thread),
         code="R114",
         hint="let one thread do all moves, or wait for the other with join_thread",
     )

@@ -22,6 +22,7 @@ from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import BlendedSegment
 from elitescript.motion.timing.timescale import TimeScale
 from elitescript.records import NamedTuple, replace
+from elitescript.said import Said, said
 
 NOTEWORTHY: Final = 1e-3
 """Share by which a waypoint may be passed more slowly than requested without a warning."""
@@ -237,27 +238,37 @@ def _slow(
     braking, unit = 0.5 * law.v * law.v / law.brake, path.unit
     if braking <= path.length - zone.begin or (source.line, SLOW_BLEND) in noted:
         return None
-    said = sum(kind == SLOW_BLEND for _, kind in noted)
-    if said >= SLOW_BLENDS_MAX:
+    count = sum(kind == SLOW_BLEND for _, kind in noted)
+    if count >= SLOW_BLENDS_MAX:
         return None
-    text = f"the arm enters the blend at {speed:.3g} instead of {law.v:.4g} {unit}/s"
+    passes = ""
     if isinstance(path, JointTrack) and unit == "m":
-        text += f" and passes the waypoint at {min(speed, least_speed()):.3g} m/s"
-    text += (
-        f": it must be able to stop there, and r = {zone.radius:.4g} m is less than its braking distance of "
-        f"{braking:.3g} {unit} at a = {law.a:.4g} {unit}/s^2; choose "
-    )
+        passes = said(" and passes the waypoint at {speed:.3g} m/s", speed=min(speed, least_speed()))
     is_too_short = braking > BLEND_SHARE * path.length
     if unit != "m":
-        text += "a larger a" if is_too_short else "a larger r or a"
+        choice: str = Said("a larger a" if is_too_short else "a larger r or a")
     elif not is_too_short:
-        text += f"r = {braking:.3g} m or a larger a"
+        choice = said("r = {braking:.3g} m or a larger a", braking=braking)
     elif isinstance(request, MoveL):
-        text += "a larger a, or movep, which looks ahead over moves as short as this one"
+        choice = Said("a larger a, or movep, which looks ahead over moves as short as this one")
     else:
-        text += "a larger a, or a longer move before it"
-    if said == SLOW_BLENDS_MAX - 1:
-        text += f" (the {SLOW_BLENDS_MAX}th line of this kind; further ones are not reported)"
+        choice = Said("a larger a, or a longer move before it")
+    text = said(
+        "the arm enters the blend at {speed:.3g} instead of {v:.4g} {unit}/s{passes}: it must be able to stop "
+        "there, and r = {radius:.4g} m is less than its braking distance of {braking:.3g} {unit} at a = {a:.4g} "
+        "{unit}/s^2; choose {choice}",
+        speed=speed,
+        v=law.v,
+        unit=unit,
+        passes=passes,
+        radius=zone.radius,
+        braking=braking,
+        a=law.a,
+        choice=choice,
+    )
+    if count == SLOW_BLENDS_MAX - 1:
+        rest = "{text} (the {count}th line of this kind; further ones are not reported)"
+        text = said(rest, text=text, count=SLOW_BLENDS_MAX)
     return MoveWarning(source.line, SLOW_BLEND, text, source.line)
 
 
@@ -272,5 +283,8 @@ def _stopping(source: Move, request: MoveRequest, call: MotionCall) -> MoveWarni
     else:
         why = "the limits of the arm allow no blend"
     return MoveWarning(
-        PROGRAM, "no blend", f"the arm stops at the waypoint in spite of its blend radius: {why}", source.line
+        PROGRAM,
+        "no blend",
+        said("the arm stops at the waypoint in spite of its blend radius: {why}", why=why),
+        source.line,
     )

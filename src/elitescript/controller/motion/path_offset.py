@@ -62,6 +62,7 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, SpeedProfile, halted
 from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 TRANSLATION_MAX_M: Final = 0.1
 ROTATION_MAX_RAD: Final = 0.52
@@ -237,9 +238,13 @@ class PathOffset:
         self._offset = offset
         kept, excess = bounded(offset, *self._max)
         if excess is not None:
-            text = (
-                f"the path offset is limited: {excess.name} = {excess.value:.4g} {excess.unit} is above "
-                f"{excess.limit:.4g} {excess.unit} (path_offset_set_max_offset)"
+            text = said(
+                "the path offset is limited: {excess} = {excess_2:.4g} {unit} is above {limit:.4g} "
+                "{unit} (path_offset_set_max_offset)",
+                excess=excess.name,
+                excess_2=excess.value,
+                unit=excess.unit,
+                limit=excess.limit,
             )
             self._notices.once(self._line, "limited", Warned(tick, text, self._thread, self._line))
         target = IDENTITY if kept == ZERO_SIX else transform_from_pose(kept)
@@ -312,9 +317,10 @@ class PathOffset:
         self._deviation, self._filtered, self._wanted = step.deviation, step.filtered, step.wanted
         self._travel, self._tcp = step.axes, self._setup.T_flange_tcp
         if step.lag_m > NOTEWORTHY_M:
-            text = (
-                f"the path offset changes faster than the arm can follow; it is {1000.0 * step.lag_m:.1f} mm behind "
-                "(smaller steps, or path_offset_set_alpha_filter)"
+            text = said(
+                "the path offset changes faster than the arm can follow; it is {lag_m:.1f} mm behind "
+                "(smaller steps, or path_offset_set_alpha_filter)",
+                lag_m=1000.0 * step.lag_m,
             )
             self._notices.once(self._line, "lag", Warned(tick, text, self._thread, self._line))
         if self._is_ending:
@@ -430,7 +436,13 @@ class PathOffset:
         q = solve_branch(arm, T_base_flange, branch_of(arm, nominal.setpoint.q), q_near[5])
         if q is None:
             reason = reason_unreachable(arm, T_base_flange) or "the arm would have to change its configuration"
-            return Obstacle("R111", f"{WHAT} takes the tool out of reach: {reason}", hypot(dx, dy, dz), "", "m")
+            return Obstacle(
+                "R111",
+                said("{what} takes the tool out of reach: {reason}", what=WHAT, reason=reason),
+                hypot(dx, dy, dz),
+                "",
+                "m",
+            )
         q = unwrapped(q, q_near)
         twist = _sum(_carried(nominal.twist, R), deviation.velocity)
         qd = ZERO_SIX if twist == ZERO_SIX else joint_speeds(arm, q, twist, T_flange_tcp)

@@ -32,6 +32,7 @@ from elitescript.messages.state import JointState
 from elitescript.messages.yielding import ForceMode, Freedrive, YieldRequest
 from elitescript.motion.streaming.speed import Obstacle
 from elitescript.records import replace
+from elitescript.said import said
 
 _EXPLAINED: Final = (SafetyMode.PROTECTIVE_STOP, SafetyMode.VIOLATION, SafetyMode.FAULT)
 """States whose reason is a breach."""
@@ -240,7 +241,9 @@ class SafetyControl:
                 self._safety.apply("come_inside", tick)
         elif breach is not None:
             if is_first:
-                text = f"the arm begins outside its safety limits: {breach.text}; it may move back (recovery)"
+                text = said(
+                    "the arm begins outside its safety limits: {text}; it may move back (recovery)", text=breach.text
+                )
                 self._on_event(Warned(tick, text))
                 self._safety.apply("find_outside", tick)
             else:
@@ -272,7 +275,9 @@ class SafetyControl:
             return
         self._slowed_lines.add(line)
         mode = self.mode.name.lower()
-        self._on_event(Warned(tick, f"the motion is slowed down to the limits of {mode} mode", thread, line))
+        self._on_event(
+            Warned(tick, said("the motion is slowed down to the limits of {mode} mode", mode=mode), thread, line)
+        )
 
     def _stop(self, breach: Breach, tick: int) -> None:
         self._breach = breach
@@ -281,9 +286,13 @@ class SafetyControl:
     def _admit_task(self, tick: int) -> None:
         if self._safety.refusal("start_task"):
             breach = self._breach if self.mode in _EXPLAINED else None
-            why = "" if breach is None else f"; the reason of the stop was: {breach.text}"
+            why = "" if breach is None else said("; the reason of the stop was: {text}", text=breach.text)
             breach = breach or Breach("emergency_stop", "", hints=RESTART_HINTS)
-            self._fail_task(self.mode, replace(breach, text=f"cannot start: {self.obstruction}{why}"), tick)
+            self._fail_task(
+                self.mode,
+                replace(breach, text=said("cannot start: {obstruction}{why}", obstruction=self.obstruction, why=why)),
+                tick,
+            )
         elif self.mode is SafetyMode.SAFEGUARD_STOP:
             self._hold(tick)
 
@@ -309,7 +318,7 @@ class SafetyControl:
         if mode in SLOWED_MODES:
             speed = self._watch.limits.bounds(mode).tcp_speed_max
             limit = "" if speed is None else f": the TCP moves at {speed:g} m/s at most"
-            return f"motions are slowed down to the reduced limits{limit}"
+            return said("motions are slowed down to the reduced limits{limit}", limit=limit)
         return WHAT_TO_DO.get(mode, "").partition(";")[0]
 
     def _act(self, tick: int) -> None:

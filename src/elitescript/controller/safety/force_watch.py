@@ -10,6 +10,7 @@ from elitescript.controller.safety.monitor import Breach, SafetyMonitor
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.motion import Six
 from elitescript.messages.yielding import ForceMode
+from elitescript.said import said
 
 FORCE_TOLERANCE: Final = 0.02
 """Share by which a tolerated force may grow before it is a breach (*assumed*)."""
@@ -51,7 +52,7 @@ class ForceWatch:
             self._known = 0.0
         elif self.is_to_tolerate:
             self._known = force * (1.0 + FORCE_TOLERANCE)
-            return None, f"{breach.text}; the arm may move back out"
+            return None, said("{text}; the arm may move back out", text=breach.text)
         return (None if force <= self._known else breach), ""
 
     def caution(self, request: ForceMode, mode: SafetyMode) -> str:
@@ -60,4 +61,8 @@ class ForceWatch:
         force, limit = hypot(*[target for target, is_free in rows if is_free]), self._monitor.limits.tcp_force_max(mode)
         if force <= limit:
             return ""
-        return f"force_mode asks for {force:g} N; at more than {limit:g} N the arm stops protectively (tcp_force)"
+        return said(
+            "force_mode asks for {force:g} N; at more than {limit:g} N the arm stops protectively (tcp_force)",
+            force=force,
+            limit=limit,
+        )

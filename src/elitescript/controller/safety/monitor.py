@@ -15,6 +15,7 @@ from elitescript.messages.motion import Six
 from elitescript.motion.limits import JOINT_NAMES
 from elitescript.motion.streaming.speed import Obstacle
 from elitescript.records import record
+from elitescript.said import said
 
 SPEED_TOLERANCE: Final = 0.02
 """A speed this much above its limit, as a share of it, is not a breach (*assumed*): a motion at the limit may go on."""
@@ -164,7 +165,10 @@ def obstacle_breach(obstacle: Obstacle) -> Breach:
         first = "positions are in m: a target more than 100 m away is a direction; are millimetres meant?"
         second = "end a motion in a direction before: call stopl in another thread, after an input, a way or a force"
     elif joint:
-        first = f"end the motion before joint {joint} comes to the end of its range: give a time t and call stopj"
+        first = said(
+            "end the motion before joint {joint} comes to the end of its range: give a time t and call stopj",
+            joint=joint,
+        )
         second = "begin with that joint a full turn away, by a movej before"
     else:
         first = "lead the motion past the singularity, by another direction or another start"
@@ -203,14 +207,23 @@ def _range_breach(joint: int, angle: float, low: float, high: float) -> Breach:
     name = JOINT_NAMES[joint]
     return Breach(
         "joint_range",
-        f"joint {name} is at {angle:.4f} rad ({degrees(angle):.1f} deg); its safety range is {low:.4f} to {high:.4f} "
-        f"rad ({degrees(low):.1f} to {degrees(high):.1f} deg)",
+        said(
+            "joint {name} is at {angle:.4f} rad ({angle_deg:.1f} deg); its safety range is {low:.4f} "
+            "to {high:.4f} rad ({low_deg:.1f} to {high_deg:.1f} deg)",
+            name=name,
+            angle=angle,
+            angle_deg=degrees(angle),
+            low=low,
+            high=high,
+            low_deg=degrees(low),
+            high_deg=degrees(high),
+        ),
         name,
         angle,
         f"[{low:.6g}, {high:.6g}]",
         "rad",
         (
-            f"choose a target that keeps joint {name} inside its safety range",
+            said("choose a target that keeps joint {name} inside its safety range", name=name),
             "for a pose, ask get_inverse_kin with a qnear on the other side, or go there by movej first",
             "ask is_within_safety_limits before the move, or widen joint_range of the safety limits",
         ),
@@ -228,8 +241,16 @@ def _joint_speed_breach(joint: int, speed: float, limit: float, mode: SafetyMode
     name = JOINT_NAMES[joint]
     return _excess(
         "joint_speed",
-        f"joint {name} turns at {abs(speed):.4f} rad/s ({degrees(abs(speed)):.1f} deg/s); "
-        f"{limit:.4f} rad/s ({degrees(limit):.1f} deg/s) are allowed in {_words(mode)}",
+        said(
+            "joint {name} turns at {speed:.4f} rad/s ({speed_deg:.1f} deg/s); {limit:.4f} rad/s "
+            "({limit_deg:.1f} deg/s) are allowed in {words}",
+            name=name,
+            speed=abs(speed),
+            speed_deg=degrees(abs(speed)),
+            limit=limit,
+            limit_deg=degrees(limit),
+            words=_words(mode),
+        ),
         abs(speed),
         limit,
         "rad/s",
@@ -245,7 +266,12 @@ def _joint_speed_breach(joint: int, speed: float, limit: float, mode: SafetyMode
 def _tcp_speed_breach(speed: float, limit: float, mode: SafetyMode) -> Breach:
     return _excess(
         "tcp_speed",
-        f"the TCP moves at {speed:.4f} m/s; {limit:.4f} m/s are allowed in {_words(mode)}",
+        said(
+            "the TCP moves at {speed:.4f} m/s; {limit:.4f} m/s are allowed in {words}",
+            speed=speed,
+            limit=limit,
+            words=_words(mode),
+        ),
         speed,
         limit,
         "m/s",
@@ -260,7 +286,12 @@ def _tcp_speed_breach(speed: float, limit: float, mode: SafetyMode) -> Breach:
 def _tcp_force_breach(force: float, limit: float, mode: SafetyMode) -> Breach:
     return _excess(
         "tcp_force",
-        f"what the TCP touches pushes it with {force:.1f} N; {limit:.6g} N are allowed in {_words(mode)}",
+        said(
+            "what the TCP touches pushes it with {force:.1f} N; {limit:.6g} N are allowed in {words}",
+            force=force,
+            limit=limit,
+            words=_words(mode),
+        ),
         force,
         limit,
         "N",
@@ -276,13 +307,15 @@ def _tcp_force_breach(force: float, limit: float, mode: SafetyMode) -> Breach:
 def _plane_breach(plane: SafetyPlane, distance: float) -> Breach:
     return Breach(
         "plane",
-        f"the TCP is {-distance * 1000.0:.2f} mm behind safety plane {plane.name!r}",
+        said(
+            "the TCP is {distance:.2f} mm behind safety plane {plane!r}", distance=-distance * 1000.0, plane=plane.name
+        ),
         plane.name,
         distance,
         ">= 0",
         "m",
         (
-            f"lead the path on the allowed side of {plane.name!r}, by a waypoint between",
+            said("lead the path on the allowed side of {plane!r}, by a waypoint between", plane=plane.name),
             "check the TCP offset (set_tcp): the plane holds for the TCP, and a longer tool is behind it sooner",
             "ask is_within_safety_limits before the move, or move the plane in the safety limits",
         ),
@@ -292,8 +325,14 @@ def _plane_breach(plane: SafetyPlane, distance: float) -> Breach:
 def _direction_breach(angle: float, limit: float) -> Breach:
     return _excess(
         "tool_direction",
-        f"the tool is {angle:.4f} rad ({degrees(angle):.1f} deg) away from its safety direction; {limit:.4f} rad "
-        f"({degrees(limit):.1f} deg) are allowed",
+        said(
+            "the tool is {angle:.4f} rad ({angle_deg:.1f} deg) away from its safety direction; "
+            "{limit:.4f} rad ({limit_deg:.1f} deg) are allowed",
+            angle=angle,
+            angle_deg=degrees(angle),
+            limit=limit,
+            limit_deg=degrees(limit),
+        ),
         angle,
         limit,
         "rad",

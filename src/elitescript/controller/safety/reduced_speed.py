@@ -20,6 +20,7 @@ from elitescript.errors import ArgumentRangeError
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.motion import Six
 from elitescript.messages.timing import PERIOD_S, ticks_for
+from elitescript.said import said
 
 SLOWED_MODES: Final = (SafetyMode.REDUCED, SafetyMode.RECOVERY)
 
@@ -72,7 +73,7 @@ class ReducedSpeed:
             ArgumentRangeError: outside [0, 1].
         """
         if not 0.0 <= fraction <= 1.0:
-            text = f"the speed percentage must be in [0, 1], got {fraction:g}"
+            text = said("the speed percentage must be in [0, 1], got {fraction:g}", fraction=fraction)
             raise ArgumentRangeError(text, value=fraction, limit="[0, 1]")
         self.scale = fraction
         self._motion.set_speed_scale(min(fraction, self._cap), tick)

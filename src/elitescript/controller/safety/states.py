@@ -21,6 +21,7 @@ from elitescript.errors import ScriptStateError
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.timing import ticks_for
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 UNLOCK_AFTER_S: Final = 5.0
 """Time from a protective stop until it can be unlocked (*assumed*; clients wait as long for it)."""
@@ -171,7 +172,7 @@ _NOT_LOCKED: Final = "there is no protective stop to unlock"
 
 
 def _refusal(mode: SafetyMode, action: str) -> str:
-    what_to_do = WHAT_TO_DO.get(mode, f"the safety mode is {mode.name}")
+    what_to_do = WHAT_TO_DO.get(mode, said("the safety mode is {mode}", mode=mode.name))
     return f"{_NOT_LOCKED}; {what_to_do}" if action == "unlock_protective_stop" else what_to_do
 
 
@@ -217,7 +218,9 @@ class Safety:
         """
         why = self.refusal(action)
         if why:
-            raise ScriptStateError(f"cannot {action.replace('_', ' ')}: {why}", code="R115")
+            raise ScriptStateError(
+                said("cannot {action}: {why}", action=action.replace("_", " "), why=why), code="R115"
+            )
 
     def apply(self, action: str, tick: int, *, is_standing: bool = True) -> None:
         """Make one step of the table at a tick.
@@ -248,8 +251,12 @@ class Safety:
             raise ScriptStateError("cannot unlock protective stop: the arm still brakes", code="R115")
         if left > 0:
             raise ScriptStateError(
-                f"cannot unlock protective stop: that is possible {UNLOCK_AFTER_S:g} s after the stop, in "
-                f"{left * 0.004:.3f} s",
+                said(
+                    "cannot unlock protective stop: that is possible {unlock_after_s:g} s after the stop, in "
+                    "{left:.3f} s",
+                    unlock_after_s=UNLOCK_AFTER_S,
+                    left=left * 0.004,
+                ),
                 code="R115",
                 value=(tick - self.since_tick) * 0.004,
                 limit=f">= {UNLOCK_AFTER_S:g}",

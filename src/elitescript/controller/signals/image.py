@@ -30,6 +30,7 @@ from elitescript.messages.signals import (
     Value,
     signal_name,
 )
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.controller.signals.input_faults import InputFaults
@@ -201,7 +202,12 @@ class SignalImage:
         elif name in _RANGE and not _RANGE[name][0] <= value <= _RANGE[name][1]:
             low, high = _RANGE[name]
             raise ArgumentRangeError(
-                f"{signal_name(row, index)} must be in [{low:g}, {high:g}] {row.unit}".rstrip() + f", got {value}",
+                said(
+                    "{signal} must be in {range}, got {value}",
+                    signal=signal_name(row, index),
+                    range=f"[{low:g}, {high:g}] {row.unit}".rstrip(),
+                    value=value,
+                ),
                 value=value,
                 limit=f"[{low:g}, {high:g}]",
                 unit=row.unit,
@@ -283,10 +289,14 @@ class SignalImage:
         pin = self.tool_pins[index]
         what = "is an input" if pin.is_enabled else "is disabled"
         raise ScriptStateError(
-            f"I/O type error: tool pin {index} {what}",
+            said("I/O type error: tool pin {index} {what}", index=index, what=what),
             code="R122",
             value=index,
-            hint=f"set_tool_digital_io_config({index}, {int(pin.mode)}, True, True) makes it an output",
+            hint=said(
+                "set_tool_digital_io_config({index}, {mode}, True, True) makes it an output",
+                index=index,
+                mode=int(pin.mode),
+            ),
         )
 
     def _command(self, name: str, index: int, value: Value) -> None:
@@ -337,8 +347,14 @@ def _check_analog(name: str, index: int, value: float, domain: AnalogDomain) -> 
     _, high = _RANGES[domain]
     if not 0.0 <= value <= high:
         raise ArgumentRangeError(
-            f"{signal_name(SIGNALS[name], index)} must be in [0, {high:g}] {_UNITS[domain]} "
-            f"({domain.name.lower()} domain), got {value:g}",
+            said(
+                "{signal} must be in [0, {high:g}] {units} ({domain} domain), got {value:g}",
+                signal=signal_name(SIGNALS[name], index),
+                high=high,
+                units=_UNITS[domain],
+                domain=domain.name.lower(),
+                value=value,
+            ),
             value=value,
             limit=f"[0, {high:g}]",
             unit=_UNITS[domain],

@@ -16,6 +16,7 @@ from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelDat
 from elitescript.messages.line import LineSettings
 from elitescript.records import replace
 from elitescript.runtime.environment import Channels
+from elitescript.said import said
 
 PAUSE_TICKS: Final = 2
 """Bytes of a serial line that come so soon after others belong to the same message."""
@@ -189,7 +190,7 @@ class FaultyChannels:
         if not active.has_acted:
             active.has_acted = True
             if self._say is not None:
-                self._say(f"{title_of(active.fault.kind, active.fault.on)} acts")
+                self._say(said("{title} acts", title=title_of(active.fault.kind, active.fault.on)))
 
     def _found(self, place: tuple[str, str, int], *kinds: str) -> _Active | None:
         """Return a fault of some kind that is at work at a place."""
@@ -446,7 +447,11 @@ def _held_back(channel: _FaultyChannel) -> str:
     kind, address, port = channel.place
     place = address if kind == LINE else f"{address}:{port}"
     size = sum(size for size, _ in channel.held.values())
-    return f"{size} bytes to {place}, which a fault delays" if size else f"the end of the connection to {place}"
+    return (
+        said("{size} bytes to {place}, which a fault delays", size=size, place=place)
+        if size
+        else said("the end of the connection to {place}", place=place)
+    )
 
 
 _Key = tuple[int, ...]

@@ -12,6 +12,7 @@ from elitescript.errors import UsageError
 from elitescript.modbus.frames import pdu
 from elitescript.modbus.frames.tcp import TcpSplitter, tcp_frame
 from elitescript.protocol.transport import MemoryTransport
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import Input
@@ -153,7 +154,13 @@ class TcpClient(Device):
         """Give the robot what the connection asks for, and the device what it has sent."""
         self._robot.post(inputs)
         if transport.error and not transport.is_open:
-            self.warn(f"sent what the {self.service} port of the robot cannot read: {transport.error}")
+            self.warn(
+                said(
+                    "sent what the {service} port of the robot cannot read: {error}",
+                    service=self.service,
+                    error=transport.error,
+                )
+            )
         self._pass_on_data(transport)
         if not transport.is_open:
             self.after(0.0, self.closed)
@@ -232,13 +239,15 @@ class ModbusClient(TcpClient):
         for transaction, _, answer in self._splitter.feed(data):
             asked = self._asked.pop(transaction, None)
             if asked is None:
-                self.warn(f"got an answer that it has not asked for: transaction {transaction}")
+                self.warn(
+                    said("got an answer that it has not asked for: transaction {transaction}", transaction=transaction)
+                )
                 continue
             request, then = asked
             try:
                 values = pdu.values_of(request, answer)
             except (pdu.ExceptionResponse, pdu.AnswerError) as error:
-                self.warn(f"request {request.hex()}: {error}")
+                self.warn(said("request {hex}: {error}", hex=request.hex(), error=error))
                 continue
             if then is not None:
                 then(values)

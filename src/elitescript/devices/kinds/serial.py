@@ -11,6 +11,7 @@ from elitescript.devices.kinds.tcp import INCOMPLETE_S, LATENCY_MAX_S
 from elitescript.environment.line_bindings import PORTS
 from elitescript.errors import UsageError
 from elitescript.messages.line import LineSettings
+from elitescript.said import said
 
 BAUD_MAX: Final = 10_000_000
 
@@ -74,7 +75,11 @@ class LineDevice(Device):
         taken = context.network.lines.get(self.line)
         if taken is not None:
             other = getattr(taken, "__self__", None)
-            text = f"line: {self.line} is taken by {getattr(other, 'title', 'another device')} already"
+            text = said(
+                "line: {line} is taken by {owner} already",
+                line=self.line,
+                owner=getattr(other, "title", "another device"),
+            )
             raise TakenError(text, other)
         context.network.lines[self.line] = self.accept
 
@@ -150,8 +155,12 @@ class SerialDevice(LineDevice):
         if rest and lines is self._lines and lines.rest == rest and not self._has_complained:
             self._has_complained = True
             self.warn(
-                f"waits for the end of the line {rest[:60]!r}: its line_end is {self.line_end!r}; "
-                'a device with line_end = "" takes whatever arrives together'
+                said(
+                    "waits for the end of the line {rest!r}: its line_end is {line_end!r}; a device with "
+                    'line_end = "" takes whatever arrives together',
+                    rest=rest[:60],
+                    line_end=self.line_end,
+                )
             )
 
     def line_received(self, line: str) -> Answer:

@@ -10,6 +10,7 @@ from elitescript.devices.device import Device, DeviceContext, TakenError, check_
 from elitescript.devices.kinds.lines import Answer, LineBuffer, check_lines, encoded
 from elitescript.errors import UsageError
 from elitescript.messages.timing import ticks_for
+from elitescript.said import said
 
 LATENCY_MAX_S: Final = 3600.0
 CONNECTIONS_MAX: Final = 64
@@ -90,8 +91,12 @@ class TcpConnection(Peer):
         if rest and self._lines.rest == rest and not self.server.has_complained:
             self.server.has_complained = True
             self.server.warn(
-                f"waits for the end of the line {rest[:60]!r}: socket_send_line sends {self.server.line_end!r} at its "
-                'end; a device with line_end = "" takes whatever arrives together'
+                said(
+                    "waits for the end of the line {rest!r}: socket_send_line sends {line_end!r} at its end; "
+                    'a device with line_end = "" takes whatever arrives together',
+                    rest=rest[:60],
+                    line_end=self.server.line_end,
+                )
             )
 
 
@@ -212,7 +217,11 @@ class TcpServer(Device):
         taken = context.network.servers.get(self.endpoint)
         if taken is not None:
             other = getattr(taken, "__self__", None)
-            text = f"port: {self.port} is taken by {getattr(other, 'title', 'another server')} already"
+            text = said(
+                "port: {port} is taken by {owner} already",
+                port=self.port,
+                owner=getattr(other, "title", "another server"),
+            )
             raise TakenError(text, other)
         context.network.servers[self.endpoint] = self.accept
         self._connections = []

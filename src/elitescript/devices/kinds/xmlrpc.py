@@ -11,6 +11,7 @@ from elitescript.devices.channels.network import DeviceLink
 from elitescript.devices.device import check_number
 from elitescript.devices.kinds.tcp import LATENCY_MAX_S, TcpConnection, TcpServer
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -108,8 +109,8 @@ class XmlRpcServer(TcpServer):
         """
         procedure = self.procedure(name)
         if procedure is None:
-            self.warn(f"was asked for {name}, which it does not have")
-            raise RpcFault(WRONG_CALL, f"method {name!r} is not supported")
+            self.warn(said("was asked for {name}, which it does not have", name=name))
+            raise RpcFault(WRONG_CALL, said("method {name!r} is not supported", name=name))
         given = tuple(arguments)
         try:
             signature = inspect.signature(procedure)
@@ -118,7 +119,9 @@ class XmlRpcServer(TcpServer):
         try:
             signature.bind(*given)
         except TypeError as error:
-            self.warn(f"{name} was called with {len(given)} arguments: {error}")
+            self.warn(
+                said("{name} was called with {count} arguments: {error}", name=name, count=len(given), error=error)
+            )
             raise RpcFault(WRONG_CALL, f"{name}: {error}") from None
         return procedure(*given)
 
@@ -189,7 +192,9 @@ class _HttpConnection(TcpConnection):
             self._respond(200, "OK", text.encode(), is_last)
 
     def _refuse(self, status: int, reason: str) -> None:
-        self._rpc.warn(f"got a request that it cannot read, and answers {status} {reason}")
+        self._rpc.warn(
+            said("got a request that it cannot read, and answers {status} {reason}", status=status, reason=reason)
+        )
         self._buffer = b""
         self._respond(status, reason, b"", True)
 

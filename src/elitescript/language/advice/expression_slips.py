@@ -7,6 +7,7 @@ from typing import Final
 
 from elitescript.language.advice.unknown_names import WORDS
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 _LOGIC: Final = {"&&": "and", "||": "or", "!": "not", "AND": "and", "OR": "or", "NOT": "not", "XOR": "!="}
 _COMPARISONS: Final = {"===": "==", "!==": "!=", "<>": "!=", "=": "==", "=<": "<=", "=>": ">=", ":=": "=="}
@@ -39,9 +40,12 @@ def slip(text: str) -> Slip | None:
             return Slip(*found.span(), "write `a if condition else b` for `condition ? a : b`")
         what = "compares" if sign in _COMPARISONS else "joins conditions"
         what = "says that a condition is not true" if _SIGNS[sign] == "not" else what
-        return Slip(*found.span(), f"write `{_SIGNS[sign]}` instead of `{sign}`: it {what}")
+        return Slip(
+            *found.span(),
+            said("write `{signs}` instead of `{sign}`: it {what}", signs=_SIGNS[sign], sign=sign, what=what),
+        )
     word = _KEYWORD.search(text)
-    return None if word is None else Slip(*word.span(1), f'write globals["{word.group(2)}"]')
+    return None if word is None else Slip(*word.span(1), said('write globals["{group}"]', group=word.group(2)))
 
 
 def plain_word(name: str) -> str:

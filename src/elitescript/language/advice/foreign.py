@@ -14,6 +14,7 @@ from elitescript.language.diagnostics import Fix
 from elitescript.language.text.lexer import NAME, LogicalLine
 from elitescript.language.text.masked import OPERATOR_WORDS, compiled, operand_before
 from elitescript.language.text.rewriting import Draft
+from elitescript.said import said
 
 
 def read_foreign(draft: Draft) -> None:
@@ -46,7 +47,7 @@ def _global(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
     edit = draft.edit(at, start + found.end() - 1, f"{separator}{names} ")
     text = "`global` cannot assign: it only says that the name is shared"
     fix = Fix("assign in a statement of its own", (edit,), safe="," not in names)
-    draft.report("E108", start, end, text, f"write `global {names}` and below it the assignment", fix)
+    draft.report("E108", start, end, text, said("write `global {names}` and below it the assignment", names=names), fix)
     draft.hide(line, at, end)
 
 
@@ -56,8 +57,15 @@ def _logic(draft: Draft) -> None:
         word = "and" if found.group() == "&&" else "or"
         text = draft.lexed.text
         padded = ("" if text[start - 1].isspace() else " ") + word + ("" if text[end : end + 1].isspace() else " ")
-        fix = Fix(f"write `{word}`", (draft.edit(start, end, padded),), safe=True)
-        draft.report("E113", start, end, f"`{found.group()}` is an operator of C", f"write `{word}`", fix)
+        fix = Fix(said("write `{word}`", word=word), (draft.edit(start, end, padded),), safe=True)
+        draft.report(
+            "E113",
+            start,
+            end,
+            said("`{sign}` is an operator of C", sign=found.group()),
+            said("write `{word}`", word=word),
+            fix,
+        )
         draft.replace(start, end, "+ ")
 
 
@@ -81,9 +89,9 @@ def _steps(draft: Draft) -> None:
         fix = None
         if (not rest or rest[0] == ";") and compiled(r"[\w.]+").fullmatch(target):
             begin = line.start + len(target)
-            fix = Fix(f"write {sign}= 1", (draft.edit(begin, end, f" {sign}= 1"),), safe=True)
-        text = f"`{found.group()}` is an operator of C"
-        draft.report("E113", start, end, text, f"write `x {sign}= 1` as a statement", fix)
+            fix = Fix(said("write {sign}= 1", sign=sign), (draft.edit(begin, end, f" {sign}= 1"),), safe=True)
+        text = said("`{sign}` is an operator of C", sign=found.group())
+        draft.report("E113", start, end, text, said("write `x {sign}= 1` as a statement", sign=sign), fix)
         draft.blank(start, end)
 
 
@@ -173,7 +181,7 @@ def _adjacent_words(draft: Draft) -> None:
         word, name = found["word"], found["name"]
         start = found.start()
         advice, fix = _instead(draft, line, found)
-        draft.report("E114", start, found.end(), f"`{word} {name}` is URScript", advice, fix)
+        draft.report("E114", start, found.end(), said("`{word} {name}` is URScript", word=word, name=name), advice, fix)
         if word == "thread" and line in draft.headers:
             draft.replace(start, start + 6, "def   ")
         else:
@@ -184,20 +192,20 @@ def _instead(draft: Draft, line: LogicalLine, found: re.Match[str]) -> tuple[str
     word, name, start, end = found["word"], found["name"], found.start(), found.end()
     if word == "thread":
         fix = Fix("write `def`", (draft.edit(start, start + 6, "def"),), safe=False)
-        return f"write `def {name}():` and start it with start_thread({name}, ())", fix
+        return said("write `def {name}():` and start it with start_thread({name}, ())", name=name), fix
     if word == "run":
         call = compiled(r"[ \t]*\((?P<args>[^()]*)\)").match(draft.lexed.masked, end, line.end)
         if not call:
-            return f"start a function in a thread of its own with start_thread({name}, ())", None
+            return said("start a function in a thread of its own with start_thread({name}, ())", name=name), None
         inside = draft.lexed.text[call.start("args") : call.end("args")].strip()
         arguments = f"({inside},)" if inside else "()"
         new = f"start_thread({name}, {arguments})"
-        return f"write {new}", Fix("write start_thread", (draft.edit(start, call.end(), new),), safe=True)
+        return said("write {new}", new=new), Fix("write start_thread", (draft.edit(start, call.end(), new),), safe=True)
     if word == "local":
         fix = Fix("remove `local`", (draft.edit(start, found.start("name"), ""),), safe=True)
         return "leave `local` out: a name is local unless `global` declares it", fix
     new = f"{'stop' if word == 'kill' else 'join'}_thread({name})"
-    return f"write {new}", Fix(f"write {new}", (draft.edit(start, end, new),), safe=True)
+    return said("write {new}", new=new), Fix(said("write {new}", new=new), (draft.edit(start, end, new),), safe=True)
 
 
 def _xor(draft: Draft) -> None:
@@ -239,7 +247,9 @@ def _type_statement(draft: Draft, line: LogicalLine, start: int, end: int) -> No
 
 def _too_new(draft: Draft, start: int, end: int, what: str, hint: str) -> None:
     # Python 3.11 refuses this and newer ones accept it; reported here, the result is the same.
-    draft.report("E001", start, end, f"{what} syntax of Python 3.12, which the robot does not have", hint)
+    draft.report(
+        "E001", start, end, said("{what} syntax of Python 3.12, which the robot does not have", what=what), hint
+    )
 
 
 _STATEMENT_RULES: dict[str, Callable[[Draft, LogicalLine, int, int], None]] = {

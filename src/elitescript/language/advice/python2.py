@@ -12,6 +12,7 @@ from elitescript.language.diagnostics import Fix
 from elitescript.language.text.lexer import NAME, LogicalLine, StringToken
 from elitescript.language.text.masked import OPERATOR_WORDS, compiled, top_level
 from elitescript.language.text.rewriting import Draft
+from elitescript.said import said
 
 _KNOWN_ESCAPES = frozenset("\n\\'\"abfnrtvx01234567")
 _KNOWN_IN_TEXT = _KNOWN_ESCAPES | frozenset("NuU")
@@ -159,8 +160,8 @@ def read_numbers(draft: Draft) -> None:
         hint = "leave the zeros in front out"
         if set(digits) <= set("01234567_"):
             new = f"0o{digits}"
-            hint = f"an octal number is written {new}; for the decimal number leave the zeros out"
-            fix = Fix(f"write {new}", (draft.edit(start, end, new),), safe=True)
+            hint = said("an octal number is written {new}; for the decimal number leave the zeros out", new=new)
+            fix = Fix(said("write {new}", new=new), (draft.edit(start, end, new),), safe=True)
         draft.report("E001", start, end, "a number cannot begin with 0", hint, fix)
         draft.replace(start, end, "0" * (end - start))
     if compiled(r"[lL](?<=[0-9a-fA-F_][lL])(?!\w)").search(draft.lexed.masked) is None:
@@ -194,13 +195,17 @@ def _escapes(draft: Draft, string: StringToken) -> None:
                 end += 1
             new, meaning = "\\0" + text[start + 2 : end], "an octal number"
         else:
-            problem = f"Python has no escape \\{letter}: the backslash stays in the string"
+            problem = said("Python has no escape \\{letter}: the backslash stays in the string", letter=letter)
             fix = Fix("double the backslash", (draft.edit(start, start, "\\"),), safe=True)
             draft.report("W210", start, end, problem, "write \\\\ for a backslash", fix)
             continue
-        problem = f"{text[start:end]} is read as {meaning}; a Python 3 controller keeps the backslash"
-        fix = Fix(f"write {new}", (draft.edit(start, end, new),), safe=True)
-        draft.report("W210", start, end, problem, f"write {new}", fix, draft.tolerated())
+        problem = said(
+            "{text} is read as {meaning}; a Python 3 controller keeps the backslash",
+            text=text[start:end],
+            meaning=meaning,
+        )
+        fix = Fix(said("write {new}", new=new), (draft.edit(start, end, new),), safe=True)
+        draft.report("W210", start, end, problem, said("write {new}", new=new), fix, draft.tolerated())
         draft.replace(start, end, new)
 
 

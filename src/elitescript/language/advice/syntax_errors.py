@@ -11,6 +11,7 @@ from typing import Final
 
 from elitescript.language.text.lexer import NAME
 from elitescript.language.text.masked import lex
+from elitescript.said import said
 
 _ESCAPE: Final = r"(?s)\\(?:x[0-9a-fA-F]{0,2}|u[0-9a-fA-F]{0,4}|U[0-9a-fA-F]{0,8}|N(?:\{[^}]*\})?|.)"
 _ESCAPE_ERROR: Final = r"\((?:unicode|value) error\).*escape"
@@ -151,7 +152,7 @@ def explain(message: str, row: str, at: int = 0) -> tuple[str, str]:
     """Return (text, hint) for one of Python's messages about the line `row`, at the index `at`."""
     if message.startswith("f-string: "):
         text, hint = explain(message.removeprefix("f-string: "), "")
-        return f"in the f-string: {text}", hint or "check the braces { } and what stands between them"
+        return said("in the f-string: {text}", text=text), hint or "check the braces { } and what stands between them"
     vague = message == "invalid syntax" or message.startswith("expected ")
     # Python takes the first part of a loop of C for a comparison.
     vague = vague or (message.startswith("invalid syntax") and ";" in row)
@@ -164,7 +165,9 @@ def explain(message: str, row: str, at: int = 0) -> tuple[str, str]:
             return "a comment begins with `#`; `//` divides", "write `#` in place of `//`"
         words = re.match(rf"({NAME})[ \t]+({NAME})", stripped)
         if words and not iskeyword(words[1]) and not iskeyword(words[2]):
-            return f"something is missing between `{words[1]}` and `{words[2]}`", f"a call is written {words[1]}(...)"
+            return said("something is missing between `{first}` and `{second}`", first=words[1], second=words[2]), said(
+                "a call is written {name}(...)", name=words[1]
+            )
     for pattern, text, hint in _TABLE:
         found = re.match(pattern, message)
         if found:
@@ -173,7 +176,7 @@ def explain(message: str, row: str, at: int = 0) -> tuple[str, str]:
         rest = row[at:].strip()
         last = re.search(r"(\w+|[^\w\s]+)\s*$", row[:at])
         if last and (not rest or rest.startswith("#")):
-            return f"something is missing behind `{last[1]}`", ""
+            return said("something is missing behind `{word}`", word=last[1]), ""
         return "this is not valid here", ""
     return message[:1].lower() + message[1:], ""
 

@@ -12,6 +12,7 @@ from elitescript.language.diagnostics import Fix
 from elitescript.language.text.lexer import WideSign
 from elitescript.language.text.rewriting import Draft
 from elitescript.language.text.wide_signs import CORNERS, DASHES, LONG_VOWEL, WIDE_BLANK
+from elitescript.said import Said, said
 
 _TITLE: Final = "write plain signs"
 _HINT: Final = "switch the input method to English for code; the repair changes no string and no comment"
@@ -50,10 +51,17 @@ def _report_indentation(draft: Draft, signs: list[WideSign]) -> None:
     row, _ = draft.place(first.start)
     blank = next(sign for sign in draft.source.line(row) if not sign.isascii())
     name = "full-width blanks" if blank == WIDE_BLANK else "blanks"
-    lines = "this line is" if len(signs) == 1 else f"{len(signs)} lines are"
-    text = f"{lines} indented with {name} (U+{ord(blank):04X}), which are not blanks of code"
+    lines = Said("this line is") if len(signs) == 1 else said("{count} lines are", count=len(signs))
+    text = said(
+        "{lines} indented with {name} (U+{code:04X}), which are not blanks of code",
+        lines=lines,
+        name=Said(name),
+        code=ord(blank),
+    )
     width = "; each is as wide as two plain blanks" if blank == WIDE_BLANK else ""
-    draft.report("E001", first.start, first.end, text, f"type plain blanks{width}", _fix(draft, signs))
+    draft.report(
+        "E001", first.start, first.end, text, said("type plain blanks{width}", width=Said(width)), _fix(draft, signs)
+    )
 
 
 def _report(draft: Draft, signs: list[WideSign]) -> None:
@@ -65,11 +73,13 @@ def _report(draft: Draft, signs: list[WideSign]) -> None:
     kind = "a full-width sign of an input method" if code >= 0x3000 else "a sign of an input method or word processor"
     if written[:1].isalnum() and written != LONG_VOWEL:
         kind = "in full-width characters of an input method"
-    text = f"{shown} (U+{code:04X}) is {kind}"
-    if first.plain:
-        text += ", not a plain blank" if first.plain == " " else f", not `{first.plain}`"
+    text = said("{shown} (U+{code:04X}) is {kind}", shown=Said(shown), code=code, kind=Said(kind))
+    if first.plain == " ":
+        text = said("{text}, not a plain blank", text=text)
+    elif first.plain:
+        text = said("{text}, not `{plain}`", text=text, plain=first.plain)
     else:
-        text += f", and {_unclear(written)}"
+        text = said("{text}, and {reason}", text=text, reason=Said(_unclear(written)))
     draft.report("E001", first.start, first.end, text, _HINT, _fix(draft, signs))
 
 

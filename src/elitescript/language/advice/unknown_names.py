@@ -13,6 +13,7 @@ from elitescript.language.modules import AVAILABLE
 from elitescript.language.options import PROGRAM, SECONDARY
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
+from elitescript.said import said
 
 PRELOADED: Final = frozenset(("copy", "elicopy", "exit", "long", "quit", "unichr"))
 """Names that programs find besides commands and Python's own built-ins."""
@@ -84,7 +85,7 @@ def advice(
     is_sent = symbols.parsed.options.kind == PROGRAM
     if isinstance(parent, ast.Call) and parent.func is node:
         if name in names.foreign:
-            return "", f"here the command is called {names.foreign[name]}"
+            return "", said("here the command is called {foreign}", foreign=names.foreign[name])
         if name in names.reserved:
             return "", "the name is reserved, but no released command has it; `elitescript commands` lists them all"
     else:
@@ -97,18 +98,22 @@ def advice(
         if name == "p" and isinstance(parent, ast.Subscript) and parent.value is node:
             return "", "`p[...]` is a pose of URScript: leave the `p` out, a pose is a list"
         if name in WORDS:
-            return WORDS[name], f"write {WORDS[name]}"
+            return WORDS[name], said("write {words}", words=WORDS[name])
         if name in AVAILABLE:
-            hint = f"write `import {name}` before it"
-            return "", f"{hint}, inside its `def`: {OWN_PROGRAM}" if is_sent else hint
+            hint = said("write `import {name}` before it", name=name)
+            return "", said(
+                "{hint}, inside its `def`: {own_program}", hint=hint, own_program=OWN_PROGRAM
+            ) if is_sent else hint
         owner = owner_of(name, symbols)
         if owner is not None:
-            return "", f"it is a local variable of `{owner.name}`; declare it `global` there to share it"
+            return "", said(
+                "it is a local variable of `{owner}`; declare it `global` there to share it", owner=owner.name
+            )
     if not is_searched:
         return "", ""
     is_shared = symbols.parsed.kind == SECONDARY
     meant = nearest(name, names.commands if is_shared else _visible(name, scope, symbols, names))
-    hint = f"is `{meant}` meant?" if meant else ""
+    hint = said("is `{meant}` meant?", meant=meant) if meant else ""
     if is_sent:
         hint = f"{OWN_PROGRAM} ({hint})" if hint else OWN_PROGRAM
     return meant, hint

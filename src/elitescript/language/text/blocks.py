@@ -17,6 +17,7 @@ from elitescript.language.text.flat import CLAUSES, restore_indentation
 from elitescript.language.text.lexer import LogicalLine, name_pattern
 from elitescript.language.text.masked import header_colon
 from elitescript.language.text.rewriting import BlockEnd, Draft
+from elitescript.said import said
 
 CLAUSES_OF: Final = {
     "if": ("elif", "else"),
@@ -125,8 +126,8 @@ class _BlockReader:
             self._unexpected(line)
             return False
         if column not in indents:
-            text = f"the indentation of {column} goes back to no earlier line"
-            hint = f"use one of the indentations above it: {', '.join(map(str, indents))}"
+            text = said("the indentation of {column} goes back to no earlier line", column=column)
+            hint = said("use one of the indentations above it: {indents}", indents=", ".join(map(str, indents)))
             self.draft.report("E001", line.start, line.start + 1, text, _TAB_HINT if self._has_tab(line) else hint)
             self._skip(line, line.column)
             return False
@@ -137,7 +138,11 @@ class _BlockReader:
     def _unexpected(self, line: LogicalLine) -> None:
         if self.closed:
             block, end = self.closed
-            text = f"this line is indented like the body of the {block.label}, but `end` in line {end.line} closed that"
+            text = said(
+                "this line is indented like the body of the {label}, but `end` in line {line} closed that",
+                label=block.label,
+                line=end.line,
+            )
             hint = "move the `end` behind it, or indent it like the `end`"
         elif line is self.draft.lexed.lines[0]:
             text = "the first line is indented"
@@ -241,7 +246,14 @@ class _BlockReader:
             draft.report("E001", start, end, "`then` does not exist here", "end the line with `:`", fix)
             return
         fix = Fix("put the colon", (draft.edit(end, end, ":"),), safe=True)
-        draft.report("E001", end, end + 1, f"the colon behind `{line.word}` is missing", "end the line with `:`", fix)
+        draft.report(
+            "E001",
+            end,
+            end + 1,
+            said("the colon behind `{word}` is missing", word=line.word),
+            "end the line with `:`",
+            fix,
+        )
 
     def _open(self, block: _Block, line: LogicalLine, colon: int, code: str) -> None:
         self.draft.headers[line] = colon
@@ -256,7 +268,11 @@ class _BlockReader:
     def _secondary(self, line: LogicalLine) -> None:
         if self.blocks:
             block = self.blocks[-1]
-            text = f"a secondary program cannot stand inside the {block.label} of line {block.header.line}"
+            text = said(
+                "a secondary program cannot stand inside the {label} of line {line}",
+                label=block.label,
+                line=block.header.line,
+            )
             hint = "move it out and send it by itself, or write `def`"
             self.draft.report("E105", line.start, line.start + 3, text, hint)
         self.draft.secondaries.add(line.line)
@@ -273,7 +289,12 @@ class _BlockReader:
             self._repair(block, empty=block.waits)
         elif closed and closed[0].column == line.column and word in CLAUSES_OF.get(closed[0].word, ()):
             block, end = closed
-            text = f"`{word}` comes after the `end` of its `{block.word}` in line {end.line}"
+            text = said(
+                "`{word}` comes after the `end` of its `{block_word}` in line {line}",
+                word=word,
+                block_word=block.word,
+                line=end.line,
+            )
             hint = "one `end` closes the whole statement; put it behind the last clause"
             draft.report("E103", line.start, line.start + len(word), text, hint)
             self.blocks.append(block)
@@ -291,13 +312,23 @@ class _BlockReader:
         near = next((block for block in reversed(self.blocks) if line.word in CLAUSES_OF.get(block.word, ())), None)
         left = self.left.get(line.column)
         if near:
-            hint = f"the `{near.word}` of line {near.opener.line} starts in column {near.column + 1}"
+            hint = said(
+                "the `{word}` of line {line} starts in column {column}",
+                word=near.word,
+                line=near.opener.line,
+                column=near.column + 1,
+            )
         elif left and line.word in CLAUSES_OF.get(left[0].word, ()):
-            hint = f"the `{left[0].word}` of line {left[0].opener.line} ended before line {left[1].line}"
+            hint = said(
+                "the `{word}` of line {line} ended before line {left_line}",
+                word=left[0].word,
+                line=left[0].opener.line,
+                left_line=left[1].line,
+            )
         else:
             hint = "check the indentation of the lines above"
         names = ", ".join(f"`{word}`" for word in takers)
-        text = f"`{line.word}` belongs to no {names} in this column"
+        text = said("`{word}` belongs to no {names} in this column", word=line.word, names=names)
         self.draft.report("E001", line.start, line.start + len(line.word), text, hint)
 
     def _orphan(self, line: LogicalLine, deeper_follows: bool) -> None:
@@ -341,12 +372,19 @@ class _BlockReader:
         left = self.left.get(line.column)
         if left:
             block, leaver = left
-            hint = f"the {block.label} of line {block.header.line} already ended before line {leaver.line}"
+            hint = said(
+                "the {label} of line {line} already ended before line {leaver_line}",
+                label=block.label,
+                line=block.header.line,
+                leaver_line=leaver.line,
+            )
         elif self.blocks:
             block = self.blocks[-1]
-            hint = (
-                f"the innermost open block is the {block.label} of line {block.header.line}, "
-                f"which starts in column {block.column + 1}"
+            hint = said(
+                "the innermost open block is the {label} of line {line}, which starts in column {column}",
+                label=block.label,
+                line=block.header.line,
+                column=block.column + 1,
             )
         else:
             hint = "remove it"
@@ -361,7 +399,11 @@ class _BlockReader:
         if block.waits and line.column == block.column:
             self.lost[block.column] = self.lost.get(block.column, 0) + 1
             if not block.colon_missing:
-                text = f"the body of the {block.label} of line {block.header.line} should be indented here"
+                text = said(
+                    "the body of the {label} of line {line} should be indented here",
+                    label=block.label,
+                    line=block.header.line,
+                )
                 hint = "indent the lines that belong to it, or write `pass`"
                 self.draft.report("E001", line.start, line.start + max(1, len(line.word)), text, hint)
             self._repair(block, empty=True)
@@ -409,11 +451,11 @@ class _BlockReader:
 
     def _empty(self, block: _Block) -> None:
         start, colon = block.header.start, self.draft.headers[block.header]
-        text = f"the body of this {block.label} is empty"
+        text = said("the body of this {label} is empty", label=block.label)
         self.draft.report("E104", start, start + colon + 1, text, "write `pass` where nothing is to be done")
 
     def _single_line(self, block: _Block) -> None:
-        text = f"a block cannot begin in a single line: the body of this {block.label} is missing"
+        text = said("a block cannot begin in a single line: the body of this {label} is missing", label=block.label)
         hint = "send several lines as `def name():` ... `end`"
         self.draft.report("E001", block.header.start, block.header.end, text, hint)
 

@@ -22,6 +22,7 @@ from elitescript.language.text.masked import lex
 from elitescript.language.text.rewriting import BlockEnd, Draft, PositionMap, Unfolding
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 
 class Translation(NamedTuple):
@@ -139,7 +140,7 @@ def _unfold(source: SourceFile, lexed: Lexed, problems: list[Diagnostic]) -> tup
             open_headers.append((start, end))
     for start, end in open_headers:
         row, column = lexed.place(start)
-        text = f"this `{masked[start:end].partition(' ')[0].rstrip(':')}` has no `end`"
+        text = said("this `{word}` has no `end`", word=masked[start:end].partition(" ")[0].rstrip(":"))
         hint = "in a single line every block needs its `end`"
         problems.append(diagnostic("E102", row, column, text, end_column=column + end - start, hint=hint))
     return "\n".join(rows), Unfolding(line.line, tuple(offsets))

@@ -12,6 +12,7 @@ from elitescript.language.diagnostics import Fix
 from elitescript.language.text.lexer import LogicalLine
 from elitescript.language.text.masked import header_colon
 from elitescript.language.text.rewriting import Draft
+from elitescript.said import said
 
 INDENT: Final = "  "
 
@@ -45,9 +46,10 @@ def restore_indentation(draft: Draft) -> None:
         ]
         fix = Fix("indent the lines as their `end`s say", tuple(edits), safe=True)
         hint = "indent the lines between each header and its `end` by two or four blanks"
-    text = (
-        f"the indentation is lost: every line begins in column 1, so nothing is inside the `{header.word}` "
-        f"of line {header.line}"
+    text = said(
+        "the indentation is lost: every line begins in column 1, so nothing is inside the `{word}` of line {line}",
+        word=header.word,
+        line=header.line,
     )
     draft.report("E001", first.start, first.start + max(1, len(first.word)), text, hint, fix)
     for line, depth in zip(lines, depths, strict=True):

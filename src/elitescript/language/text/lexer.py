@@ -17,6 +17,7 @@ from typing import Final
 
 from elitescript.language.text.strings import formatted_end, prefix_start, string_end_pattern
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 TAB_WIDTH = 8
 STRING_FILL = '"'
@@ -309,7 +310,7 @@ class TextScanner:
         end = self._string_end(body, quote, "f" in prefix)
         end = self._closed(quote, body, end, "f" in prefix)
         if end < 0:
-            hint = f"close it with {quote}"
+            hint = said("close it with {quote}", quote=quote)
             if len(quote) == 3:
                 self._flaw(start, body, "this triple-quoted string is never closed", hint)
                 self.line += text.count("\n", at)
@@ -343,13 +344,21 @@ class TextScanner:
 
     def _close(self, mark: str, at: int) -> None:
         if not self.stack:
-            self._flaw(at, at + 1, f"this '{mark}' closes nothing", "remove it, or open the bracket before it")
+            self._flaw(
+                at, at + 1, said("this '{mark}' closes nothing", mark=mark), "remove it, or open the bracket before it"
+            )
             return
         opener, opened_at = self.stack.pop()
         if CLOSER_OF[opener] != mark:
             line, column = self.lexed.place(opened_at)
-            text = f"'{mark}' cannot close the '{opener}' of line {line}, column {column}"
-            self._flaw(at, at + 1, text, f"close it with '{CLOSER_OF[opener]}'")
+            text = said(
+                "'{mark}' cannot close the '{opener}' of line {line}, column {column}",
+                mark=mark,
+                opener=opener,
+                line=line,
+                column=column,
+            )
+            self._flaw(at, at + 1, text, said("close it with '{closer}'", closer=CLOSER_OF[opener]))
 
     def _unclosed(self, logical: LogicalLine) -> int:
         """Report the open bracket and decide where reading goes on.
@@ -357,10 +366,10 @@ class TextScanner:
         What follows belongs to the bracket as long as it is indented deeper than the statement.
         """
         opener, at = self.stack[0]
-        hint = f"add the missing '{CLOSER_OF[opener]}'"
+        hint = said("add the missing '{closer}'", closer=CLOSER_OF[opener])
         if opener == "{" and self.text[at + 1 : at + 2] in ("", "\n"):
-            hint += ", or `:` if a block begins here"
-        self._flaw(at, at + 1, f"this '{opener}' is never closed", hint)
+            hint = said("{hint}, or `:` if a block begins here", hint=hint)
+        self._flaw(at, at + 1, said("this '{opener}' is never closed", opener=opener), hint)
         self.rescans += 1
         starts, text = self.lexed.starts, self.text
         line = self._line_behind(logical, at) if self.rescans < _MAX_RESCANS else len(starts)

@@ -9,6 +9,7 @@ from typing import Final
 from elitescript.errors import ProgramError
 from elitescript.language.diagnostics import Diagnostic, Fix, diagnostic
 from elitescript.records import field, record
+from elitescript.said import said
 from elitescript.shown import shown, shown_word
 from elitescript.untrusted.plain_text import EncodingError, plain_text
 
@@ -117,13 +118,13 @@ def _bad_byte(data: bytes, error: EncodingError) -> Diagnostic:
     line, column = len(lines), len(lines[-1]) + 1
     other = decoded_from(data) if error.encoding else None
     if other is None:
-        text = f"byte 0x{data[error.at]:02X} is not UTF-8 text"
+        text = said("byte 0x{data:02X} is not UTF-8 text", data=data[error.at])
         if error.encoding:
-            text = f"the text is {error.encoding}, not UTF-8"
+            text = said("the text is {encoding}, not UTF-8", encoding=error.encoding)
         return diagnostic("E002", line, column, text, hint="save the file as UTF-8")
     reads = SourceFile("", other[0]).line(line).strip()
     reads = reads if len(reads) <= _READS else f"{reads[:_READS]}..."
-    text = f"the text is {error.encoding}, not UTF-8: this line reads `{reads}`"
+    text = said("the text is {encoding}, not UTF-8: this line reads `{reads}`", encoding=error.encoding, reads=reads)
     hint = "`elitescript check --fix` converts the file to UTF-8; or save it as UTF-8 in the editor"
     return diagnostic("E002", line, column, text, hint=hint)
 

@@ -18,6 +18,7 @@ from elitescript.language.options import LINE, PROGRAM, SECONDARY
 from elitescript.language.text.lexer import name_pattern, structure_pattern
 from elitescript.language.text.strings import string_end_pattern
 from elitescript.records import record
+from elitescript.said import Said, counted, said
 
 SILENCE_S: Final = 0.1
 """After this long without a byte, an `end` counts although no line feed follows it. *Assumed.*"""
@@ -267,7 +268,7 @@ class UnitSplitter:
         if opener and not self._tracker.quote:
             # Even inside brackets: `def` cannot stand there, so one was never closed.
             if self._kind in (PROGRAM, SECONDARY):
-                self._refuse(found, f"line {self._line_number} begins another one")
+                self._refuse(found, said("line {line_number} begins another one", line_number=self._line_number))
             elif self._kind:
                 self._deliver(found)
             self._refuse_lost(found)
@@ -312,7 +313,11 @@ class UnitSplitter:
 
     def _refuse(self, found: list[Unit | DiscardedText], reason: str) -> None:
         last = len(self._lines)
-        text = f"this program has no `end`: {reason} after {last} {'line' if last == 1 else 'lines'}"
+        text = said(
+            "this program has no `end`: {reason} after {lines}",
+            reason=Said(reason),
+            lines=counted(last, "line", "lines"),
+        )
         hint = "close it with `end` at the start of a line, and a line feed behind it"
         problem = diagnostic("E102", 1, 1, text, end_column=len(self._lines[0]) + 1, hint=hint)
         found.append(DiscardedText((problem,), self._first_line))
@@ -329,7 +334,11 @@ class UnitSplitter:
     def _refuse_lost(self, found: list[Unit | DiscardedText]) -> None:
         """Refuse a text that was too long, if there is one."""
         if self._lost_bytes:
-            text = f"the text has {self._lost_bytes:,} bytes, at most {self._max_bytes:,} are read"
+            text = said(
+                "the text has {lost_bytes:,} bytes, at most {max_bytes:,} are read",
+                lost_bytes=self._lost_bytes,
+                max_bytes=self._max_bytes,
+            )
             hint = "close programs with `end` at the start of a line; read long lists of points from a file"
             found.append(DiscardedText((diagnostic("E102", 1, 1, text, hint=hint),), self._lost_from))
             self._lost_bytes = 0

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.modules import AVAILABLE, NETWORK
+from elitescript.language.policy import is_future
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
@@ -29,7 +30,7 @@ def unavailable_module(program: AnalysedProgram) -> Iterator[Finding]:
                 yield Finding(program.name_span(alias, alias.name), *_refusal(alias.name))
     for origin in program.nodes(ast.ImportFrom):
         name = "." * origin.level + (origin.module or "")
-        if name not in AVAILABLE:
+        if name not in AVAILABLE and not is_future(origin):
             yield Finding(program.header_span(origin), *_refusal(name))
 
 

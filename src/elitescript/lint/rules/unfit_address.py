@@ -52,7 +52,8 @@ def unfit_address(program: AnalysedProgram) -> Iterator[Finding]:
                                 (Edit(*program.span(node), f'"{fixed}"'),),
                                 safe=False,
                             )
-                        yield Finding(node, f"{found.name}: {why}", hint, fix)
+                        text = said("{command}: {why}", command=found.name, why=why)
+                        yield Finding(node, text, hint, fix)
                         break
         yield from _registers(program, found)
 

@@ -12,6 +12,7 @@ from typing import Final
 
 from elitescript.errors import PeerError, UsageError
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 READ_COILS: Final = 1
 READ_DISCRETE_INPUTS: Final = 2
@@ -85,7 +86,7 @@ class ExceptionResponse(PeerError):
     def __init__(self, code: int, function: int = 0) -> None:
         self.code = code
         self.function = function
-        super().__init__(f"exception {code}: {EXCEPTIONS.get(code, 'unknown')}")
+        super().__init__(said("exception {code}: {exceptions}", code=code, exceptions=EXCEPTIONS.get(code, "unknown")))
 
 
 class AnswerError(PeerError):
@@ -238,6 +239,8 @@ def request_of(pdu: bytes) -> ModbusRequest:
     if not pdu:
         raise ExceptionResponse(ILLEGAL_FUNCTION)
     function, size = pdu[0], len(pdu)
+    if size > PDU_MAX:
+        raise ExceptionResponse(ILLEGAL_VALUE, function)
     if function in REGISTER_READS or function in BIT_READS:
         if size != 5:
             raise ExceptionResponse(ILLEGAL_VALUE, function)
@@ -309,20 +312,38 @@ def values_of(request: bytes, answer: bytes) -> tuple[int, ...]:
     if len(answer) < 2 or answer[0] != function:
         if len(answer) == 2 and answer[0] == function | EXCEPTION_BIT:
             raise ExceptionResponse(answer[1], function)
-        raise AnswerError(f"function {function} was asked for, and {answer[:2].hex() or 'nothing'} has come")
+        raise AnswerError(
+            said(
+                "function {function} was asked for, and {hex} has come",
+                function=function,
+                hex=answer[:2].hex() or "nothing",
+            )
+        )
     size = answer[1]
     if function in REGISTER_READS or function == READ_WRITE_REGISTERS:
         count = request[3] << 8 | request[4]
         if size != 2 * count or len(answer) != 2 + size:
-            raise AnswerError(f"{count} registers were asked for, and an answer of {len(answer)} bytes has come")
+            raise AnswerError(
+                said(
+                    "{count} registers were asked for, and an answer of {answer_count} bytes has come",
+                    count=count,
+                    answer_count=len(answer),
+                )
+            )
         return registers_in(answer, 2, count)
     if function in BIT_READS:
         count = request[3] << 8 | request[4]
         if size != (count + 7) // 8 or len(answer) != 2 + size:
-            raise AnswerError(f"{count} bits were asked for, and an answer of {len(answer)} bytes has come")
+            raise AnswerError(
+                said(
+                    "{count} bits were asked for, and an answer of {answer_count} bytes has come",
+                    count=count,
+                    answer_count=len(answer),
+                )
+            )
         return unpacked_bits(answer[2:], count)
     if function in (WRITE_COIL, WRITE_REGISTER, WRITE_COILS, WRITE_REGISTERS) and answer != request[:5]:
-        raise AnswerError(f"the answer {answer.hex()} does not repeat what was written")
+        raise AnswerError(said("the answer {hex} does not repeat what was written", hex=answer.hex()))
     return ()
 
 

@@ -16,6 +16,10 @@ PORT: Final = 502
 LENGTH_MAX: Final = PDU_MAX + 1
 """Largest length in a header: it counts the unit and the request or answer."""
 
+TOLERATED_LENGTH_MAX: Final = 266
+"""Largest length that a slave reads to the end, and answers with an exception: function 23 with 255 bytes to write.
+Other stacks send too many registers by mistake, and their next request is whole."""
+
 _HEADER: Final = Struct(">HHHB")
 _HEADER_SIZE: Final = 7
 
@@ -42,6 +46,9 @@ def tcp_frame(transaction: int, unit: int, pdu: bytes) -> bytes:
 class TcpSplitter:
     """Cuts a stream into frames.
 
+    Args:
+        length_max: largest length in a header.
+
     A frame of another protocol is left out. After an invalid length the begin of the next frame is unknown: `is_lost`
     is True from then on, all further bytes are dropped, and the connection should be closed.
 
@@ -50,9 +57,10 @@ class TcpSplitter:
         foreign: number of frames of another protocol.
     """
 
-    __slots__ = ("_rest", "foreign", "is_lost")
+    __slots__ = ("_length_max", "_rest", "foreign", "is_lost")
 
-    def __init__(self) -> None:
+    def __init__(self, length_max: int = LENGTH_MAX) -> None:
+        self._length_max = length_max
         self._rest = b""
         self.is_lost = False
         self.foreign = 0
@@ -72,7 +80,7 @@ class TcpSplitter:
         offset, size = 0, len(data)
         while size - offset >= _HEADER_SIZE:
             transaction, protocol, length, unit = _HEADER.unpack_from(data, offset)
-            if not 2 <= length <= LENGTH_MAX:
+            if not 2 <= length <= self._length_max:
                 self.is_lost = True
                 self._rest = b""
                 return frames

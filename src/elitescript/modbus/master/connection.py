@@ -17,6 +17,7 @@ from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.modbus.frames.tcp import tcp_frame
 from elitescript.modbus.master.exchange import Exchange
 from elitescript.modbus.master.signals import CONNECTING, NO_ERROR, NOT_CONNECTED, ModbusSignal
+from elitescript.said import said
 
 CONNECT_TICKS: Final = 2 * TICKS_PER_S
 """Timeout of an attempt to connect (*assumed*, as for sockets)."""
@@ -204,8 +205,8 @@ class MasterConnection:
 
     def title(self, signal: ModbusSignal) -> str:
         """Return the name of a signal or request for messages."""
-        what = f"MODBUS signal {signal.name!r}" if signal.name else "a MODBUS request"
-        return f"{what} to {self.name}, slave {signal.unit}"
+        what = said("MODBUS signal {signal!r}", signal=signal.name) if signal.name else "a MODBUS request"
+        return said("{what} to {name}, slave {unit}", what=what, name=self.name, unit=signal.unit)
 
     def _note_of(self, signal: ModbusSignal, what: str, data: str) -> None:
         """Record the traffic of a signal, unless it is the same as before."""
@@ -350,7 +351,7 @@ class MasterConnection:
     def _fail(self, tick: int, error: ChannelError, reason: str) -> None:
         self.connection_code = int(error)
         self._is_reset = False
-        self._warn(f"MODBUS at {self.name}: {reason}")
+        self._warn(said("MODBUS at {name}: {reason}", name=self.name, reason=reason))
         self._interrupt(tick)
         self.exchange.drop_once(reason)
 

@@ -18,6 +18,7 @@ from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.modbus.frames.pdu import READS
 from elitescript.modbus.frames.tcp import TcpSplitter
 from elitescript.modbus.master.signals import BROADCAST, NO_ERROR, UNDEFINED_ERROR, ModbusSignal
+from elitescript.said import said
 
 WINDOW_MAX: Final = 256
 """Largest window: all 200 signals in each tick, with answers in the next tick or a little later."""
@@ -194,7 +195,7 @@ class Exchange:
     def drop_once(self, reason: str) -> None:
         """Give up queued requests that are sent once: they do not wait for another connection."""
         for signal in [signal for signal in self._queue if signal.is_once]:
-            self._lose(signal, f"not sent, {reason}")
+            self._lose(signal, said("not sent, {reason}", reason=reason))
             self._queue.remove(signal)
 
     # ---------------------------------------------------------------- the connection
@@ -249,7 +250,7 @@ class Exchange:
             if signal is self._chained:
                 self._chained = None
             signal.fail(tick, NO_ERROR, TIMED_OUT)
-            problem = f"no answer within {seconds(REPLY_TICKS):g} s"
+            problem = said("no answer within {seconds:g} s", seconds=seconds(REPLY_TICKS))
             if signal.is_once:
                 self._lose(signal, problem)
             else:
@@ -354,7 +355,10 @@ class Exchange:
                 self._is_suspect, self.is_single = False, True
             if unit != signal.unit:
                 signal.fail(tick, UNDEFINED_ERROR, NO_ERROR)
-                self._report(signal, f"slave {unit} has answered instead of {signal.unit}")
+                self._report(
+                    signal,
+                    said("slave {unit} has answered instead of {signal_unit}", unit=unit, signal_unit=signal.unit),
+                )
             elif pdu == signal.answer and request is signal.request:
                 self.answered += 1
                 signal.ok_tick = tick

@@ -13,6 +13,7 @@ from elitescript.errors import InvalidValueError, ScriptStateError
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.modbus.master.connection import MasterChannels, MasterConnection
 from elitescript.modbus.master.signals import ModbusSignal, SignalKind
+from elitescript.said import said
 
 SIGNALS_MAX: Final = 200
 WATCHDOG_TICKS: Final = 5 * TICKS_PER_S
@@ -136,7 +137,10 @@ class Master:
     def _check_room(self) -> None:
         if len(self.signals) + len(self._repeated) >= SIGNALS_MAX:
             raise ScriptStateError(
-                f"there are {SIGNALS_MAX} MODBUS signals already, repeated requests included",
+                said(
+                    "there are {signals_max} MODBUS signals already, repeated requests included",
+                    signals_max=SIGNALS_MAX,
+                ),
                 code="R104",
                 value=SIGNALS_MAX + 1,
                 limit=f"<= {SIGNALS_MAX}",
@@ -164,10 +168,10 @@ class Master:
         if signal is None:
             known = ", ".join(repr(other) for other in list(self.signals)[:5])
             raise InvalidValueError(
-                f"there is no MODBUS signal {name!r}",
+                said("there is no MODBUS signal {name!r}", name=name),
                 argument="signal_name",
                 value=name,
-                hint=f"there are {known}" if known else "add it with modbus_add_signal",
+                hint=said("there are {known}", known=known) if known else "add it with modbus_add_signal",
             )
         return signal
 
@@ -223,7 +227,7 @@ class Master:
         if is_once:
             if link.exchange.single_requests >= REQUESTS_MAX:
                 raise ScriptStateError(
-                    f"{REQUESTS_MAX} requests to {link.name} wait already",
+                    said("{requests_max} requests to {link} wait already", requests_max=REQUESTS_MAX, link=link.name),
                     code="R104",
                     value=REQUESTS_MAX + 1,
                     limit=f"<= {REQUESTS_MAX}",
@@ -244,10 +248,10 @@ class Master:
         if link is None:
             known = ", ".join(sorted(other.name for other in self.links.values()))
             raise InvalidValueError(
-                f"no MODBUS signal uses a connection to {address}:{port}",
+                said("no MODBUS signal uses a connection to {address}:{port}", address=address, port=port),
                 argument="connection_id",
                 value=address,
-                hint=f"there are {known}" if known else None,
+                hint=said("there are {known}", known=known) if known else None,
             )
         return link
 

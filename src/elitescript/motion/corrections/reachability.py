@@ -13,6 +13,7 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, obstacle_at, range_obstacle
 from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 _ROUNDING: Final = 1.0 + 1e-9
 
@@ -45,8 +46,13 @@ class Passage(NamedTuple):
             if jump > self.jump_share * a_top * PERIOD_S * PERIOD_S * _ROUNDING:
                 return Obstacle(
                     "R112",
-                    f"the move passes through a singularity, and {self.beside} beside it: joint {JOINT_NAMES[joint]} "
-                    f"would jump by {q - q_before:.4f} rad",
+                    said(
+                        "the move passes through a singularity, and {beside} beside it: joint {joint} would jump "
+                        "by {q:.4f} rad",
+                        beside=self.beside,
+                        joint=JOINT_NAMES[joint],
+                        q=q - q_before,
+                    ),
                     q - q_before,
                     "",
                     "rad",
@@ -63,7 +69,15 @@ class Passage(NamedTuple):
     def _too_quick(self, joint: int, does: str, value: float, limit: float, unit: str) -> Obstacle:
         return Obstacle(
             TOO_QUICK,
-            f"{self.what} would make joint {JOINT_NAMES[joint]} {does} {value:.4g} {unit}, it can {limit:.4g} {unit}",
+            said(
+                "{what} would make joint {joint} {does} {value:.4g} {unit}, it can {limit:.4g} {unit}",
+                what=self.what,
+                joint=JOINT_NAMES[joint],
+                does=does,
+                value=value,
+                unit=unit,
+                limit=limit,
+            ),
             value,
             f"<= {limit:.6g}",
             unit,

@@ -34,6 +34,7 @@ from elitescript.kinematics.rotations import (
 from elitescript.kinematics.transforms import Transform, position_of, rotation_of
 from elitescript.messages.motion import Six
 from elitescript.motion.segment import AnyPath
+from elitescript.said import said
 
 ROTATION_LEADS_BELOW: Final = 1e-3
 """A move is a pure rotation when its translation is shorter than this share of the rotation
@@ -157,8 +158,19 @@ class CartesianPath(ABC):
             return "at the start"
         what = "rotation" if self.unit == "rad" else self.kind
         if s >= self.length:
-            return f"at the target, {self.length:.4f} {self.unit} from the start of the {what}"
-        return f"{s:.4f} {self.unit} from the start of the {what} of {self.length:.4f} {self.unit}"
+            return said(
+                "at the target, {length:.4f} {unit} from the start of the {what}",
+                length=self.length,
+                unit=self.unit,
+                what=what,
+            )
+        return said(
+            "{s:.4f} {unit} from the start of the {what} of {length:.4f} {unit}",
+            s=s,
+            unit=self.unit,
+            what=what,
+            length=self.length,
+        )
 
     @abstractmethod
     def point(self, s: float) -> Vector3:
@@ -336,8 +348,14 @@ def arc(
                 else "three different points are needed"
             )
             raise MotionError(
-                f"the {names[0]} and the {names[1]} point of the arc are the same place "
-                f"({side * 1000.0:.4f} mm apart, at least {ARC_HEIGHT_MIN_M * 1000.0:.3f} mm needed)",
+                said(
+                    "the {first} and the {second} point of the arc are the same place ({side_mm:.4f} mm "
+                    "apart, at least {least_mm:.3f} mm needed)",
+                    first=names[0],
+                    second=names[1],
+                    side_mm=side * 1000.0,
+                    least_mm=ARC_HEIGHT_MIN_M * 1000.0,
+                ),
                 code="R113",
                 value=side,
                 limit=f">= {ARC_HEIGHT_MIN_M:g}",
@@ -349,8 +367,12 @@ def arc(
     height = twice_area / max(sides)
     if height < ARC_HEIGHT_MIN_M:
         raise MotionError(
-            f"the three points of the arc lie on one line (the middle one is {height * 1000.0:.4f} mm beside it, "
-            f"at least {ARC_HEIGHT_MIN_M * 1000.0:.3f} mm needed)",
+            said(
+                "the three points of the arc lie on one line (the middle one is {height_mm:.4f} mm beside "
+                "it, at least {least_mm:.3f} mm needed)",
+                height_mm=height * 1000.0,
+                least_mm=ARC_HEIGHT_MIN_M * 1000.0,
+            ),
             code="R113",
             value=height,
             limit=f">= {ARC_HEIGHT_MIN_M:g}",

@@ -21,6 +21,7 @@ from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits
 from elitescript.motion.segment import Setpoint
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 RANGE_ROUNDING_RAD: Final = 1e-12
 """Distance outside the range at which a stopping place is outside by rounding."""
@@ -175,8 +176,18 @@ def range_obstacle(limits: MotionLimits, joint: int, q: Six, what: str) -> Obsta
     angle = q[joint]
     return Obstacle(
         "R110",
-        f"{what} takes joint {JOINT_NAMES[joint]}, at {angle:.4f} rad ({degrees(angle):.1f} deg), to the end of its "
-        f"range of {low:.4f} to {high:.4f} rad ({degrees(low):.1f} to {degrees(high):.1f} deg)",
+        said(
+            "{what} takes joint {joint}, at {angle:.4f} rad ({angle_deg:.1f} deg), to the end of its "
+            "range of {low:.4f} to {high:.4f} rad ({low_deg:.1f} to {high_deg:.1f} deg)",
+            what=what,
+            joint=JOINT_NAMES[joint],
+            angle=angle,
+            angle_deg=degrees(angle),
+            low=low,
+            high=high,
+            low_deg=degrees(low),
+            high_deg=degrees(high),
+        ),
         angle,
         f"[{low:.6g}, {high:.6g}]",
         "rad",

@@ -24,6 +24,7 @@ from elitescript.motion.limits import MotionLimits
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, obstacle_at, range_obstacle
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 
 class TwistState(NamedTuple):
@@ -158,8 +159,14 @@ def singular_obstacle(arm: Arm, q: Six, name: str, what: str) -> Obstacle:
     unit = "m" if name == "shoulder" else ""
     return Obstacle(
         "R112",
-        f"{what} leads into the {name} singularity, where joints would have to turn without limit; "
-        f"{measure} {value:.4f} {unit}".rstrip(),
+        said(
+            "{what} leads into the {name} singularity, where joints would have to turn without "
+            "limit; {measure} {value}",
+            what=what,
+            name=name,
+            measure=measure,
+            value=f"{value:.4f} {unit}".rstrip(),
+        ),
         value,
         ">= 0.001",
         unit,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from elitescript.commands.definition.context import Machine
 from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.runtime.connections.connection import Receiver
@@ -102,4 +103,4 @@ class Background:
 
 
 def _waiting(device: str, wire: LineConnection) -> str:
-    return f"{wire.unsent} bytes that wait for room on {device}"
+    return said("{unsent} bytes that wait for room on {device}", unsent=wire.unsent, device=device)

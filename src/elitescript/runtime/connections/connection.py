@@ -16,6 +16,7 @@ from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.deadline import Deadline
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
+from elitescript.said import said
 
 NOT_ALL_THERE: Final = "a secondary program (sec) does not wait: {what} was read once, before all had come"
 """Warning for a read with a timeout in a secondary program."""
@@ -126,7 +127,9 @@ class ScriptConnection:
         if isinstance(event, ChannelData):
             if len(self.received) + len(event.data) + self._taken > CHANNEL_WINDOW:
                 self._channels.close(self.channel)
-                reason = f"the peer sent more than {CHANNEL_WINDOW} bytes that are not read"
+                reason = said(
+                    "the peer sent more than {channel_window} bytes that are not read", channel_window=CHANNEL_WINDOW
+                )
                 self.log.closed(reason)
                 self._end(reason)
             else:

@@ -21,6 +21,7 @@ from elitescript.runtime.connections.traffic import Traffic, cut
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped, Strand
+from elitescript.said import said
 
 ASKED_MAX: Final = 1024
 """Most connections of which the first statement is kept."""
@@ -135,10 +136,19 @@ class ModbusSignals:
         signal = self.master.find(name)
         if not signal.is_output or signal.is_digital != is_digital:
             what = "digital output" if is_digital else "output register"
-            raise InvalidValueError(f"the MODBUS signal {name!r} is no {what}", argument="signal_name", value=name)
+            raise InvalidValueError(
+                said("the MODBUS signal {name!r} is no {what}", name=name, what=what),
+                argument="signal_name",
+                value=name,
+            )
         if len(values) > signal.writable:
             raise InvalidValueError(
-                f"the MODBUS signal {name!r} takes {signal.writable} values, got {len(values)}",
+                said(
+                    "the MODBUS signal {name!r} takes {writable} values, got {count}",
+                    name=name,
+                    writable=signal.writable,
+                    count=len(values),
+                ),
                 argument="digital_value" if is_digital else "register_value",
                 value=list(values),
                 limit=f"<= {signal.writable} elements",
@@ -232,7 +242,9 @@ class ModbusSignals:
             InvalidValueError: it is no digital output.
         """
         if self.master.find(name).kind is not SignalKind.DIGITAL_OUTPUT:
-            raise InvalidValueError(f"the MODBUS signal {name!r} is no digital output", argument="signal_name")
+            raise InvalidValueError(
+                said("the MODBUS signal {name!r} is no digital output", name=name), argument="signal_name"
+            )
         self.master.choose(name, choice)
 
     def retime(self, name: str, frequency_hz: int) -> None:
@@ -259,8 +271,14 @@ class ModbusSignals:
         if signal.is_overdue(self._machine.tick):
             device, connection = self.master.codes(name)
             raise ScriptStateError(
-                f"the MODBUS signal {name!r} has not worked for {self.invalid_s(name):g} s "
-                f"(device {device}, connection {connection})",
+                said(
+                    "the MODBUS signal {name!r} has not worked for {invalid_s:g} s (device {device}, "
+                    "connection {connection})",
+                    name=name,
+                    invalid_s=self.invalid_s(name),
+                    device=device,
+                    connection=connection,
+                ),
                 code="R134",
                 argument="signal_name",
                 value=name,
@@ -312,7 +330,7 @@ class ModbusSignals:
         try:
             until = self._scheduler.now + CONNECT_TICKS + 1
             while not link.is_settled and self._scheduler.now < until:
-                self._scheduler.wait(f"the MODBUS device at {link.name}", until)
+                self._scheduler.wait(said("the MODBUS device at {link}", link=link.name), until)
         finally:
             self._waiting.remove(waiting)
 

@@ -31,6 +31,7 @@ from elitescript.runtime.environment import Channels
 from elitescript.runtime.sealed import Sealed, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
+from elitescript.said import said
 
 CALLS_MAX: Final = 32
 """Most simultaneous calls of one program (*assumed*)."""
@@ -125,10 +126,17 @@ class RemoteProcedures:
             code, text = fault.faultCode, str(fault.faultString)
             self._note(server, "received", f"fault {code}: {text}")
             raise RpcError(
-                f"{method}() on {server.url}: the server answered with fault {code}: {text}", fault=(code, text)
+                said(
+                    "{method}() on {url}: the server answered with fault {code}: {text}",
+                    method=method,
+                    url=server.url,
+                    code=code,
+                    text=text,
+                ),
+                fault=(code, text),
             ) from None
         except PeerError as error:
-            raise RpcError(f"{method}() on {server.url}: {error}") from None
+            raise RpcError(said("{method}() on {url}: {error}", method=method, url=server.url, error=error)) from None
 
     def _note(self, server: RpcServer, what: str, data: str) -> None:
         self._traffic.note_of_caller("rpc", server.url, what, cut(data))
@@ -163,7 +171,7 @@ class RemoteProcedures:
         try:
             connection.send(call.request)
             self._note(server, "sent", f"{call.method}({', '.join(map(_brief, call.args))})")
-            reason = f"the answer of {call.method}() from {server.url}"
+            reason = said("the answer of {method}() from {url}", method=call.method, url=server.url)
             answer = connection.read(reader, reason, self._answer_s)
             if answer is None:
                 answer = reader.at_end()
@@ -196,8 +204,12 @@ class RemoteProcedures:
         until = self._scheduler.now + CONNECT_TICKS
         try:
             while connection.is_opening:
-                if not connection.wait(f"{server.address}:{server.port} to accept a connection", until):
-                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s", is_late=True)
+                if not connection.wait(
+                    said("{address}:{port} to accept a connection", address=server.address, port=server.port), until
+                ):
+                    connection.close(
+                        said("no answer within {seconds:g} s", seconds=seconds(CONNECT_TICKS)), is_late=True
+                    )
                     raise PeerError(f"no connection within {seconds(CONNECT_TICKS):g} s")
             if not connection.is_open:
                 raise PeerError(connection.reason or "closed at once")
@@ -237,7 +249,7 @@ def server_of(url: str) -> RpcServer:
 
 def _problem(parts: SplitResult, port: int) -> str:
     if parts.scheme.lower() != "http":
-        return f"{parts.scheme}:// is not supported"
+        return said("{scheme}:// is not supported", scheme=parts.scheme)
     if not parts.hostname:
         return "the address is missing"
     if "@" in parts.netloc:
@@ -251,7 +263,7 @@ def _problem(parts: SplitResult, port: int) -> str:
 
 def _bad_url(url: str, why: str) -> InvalidValueError:
     return InvalidValueError(
-        f"url {url!r}: {why}",
+        said("url {url!r}: {why}", url=url, why=why),
         argument="url",
         value=url,
         limit="<address>:<port> or http://<address>:<port>/<path>",
@@ -267,10 +279,13 @@ def _request(server: RpcServer, method: str, args: tuple[Any, ...]) -> bytes:
         body = client.dumps(args, method, allow_none=True).encode("utf-8", "xmlcharrefreplace")
     except OverflowError as error:
         raise ArgumentRangeError(
-            f"{method}(): {error}: whole numbers have 32 bits", limit="[-2147483648, 2147483647]"
+            said("{method}(): {error}: whole numbers have 32 bits", method=method, error=error),
+            limit="[-2147483648, 2147483647]",
         ) from None
     except (TypeError, RecursionError) as error:
-        raise ArgumentTypeError(f"{method}(): {str(error) or 'nested too deeply'}") from None
+        raise ArgumentTypeError(
+            said("{method}(): {problem}", method=method, problem=str(error) or "nested too deeply")
+        ) from None
     host = server.url.partition("://")[2].partition("/")[0]
     head = (
         f"POST {server.path} HTTP/1.1\r\nHost: {host}\r\nUser-Agent: elitescript\r\n"

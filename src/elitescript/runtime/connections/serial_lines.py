@@ -37,6 +37,7 @@ from elitescript.runtime.environment import Channels, bytes_without_addresses
 from elitescript.runtime.threads.deadline import Deadline
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
+from elitescript.said import said
 
 OPEN_TICKS: Final = 2 * TICKS_PER_S
 """How long a device may take to open (*assumed*)."""
@@ -111,8 +112,11 @@ class SerialLines:
         try:
             until = self._scheduler.now + OPEN_TICKS
             while wire.is_opening:
-                if not wire.wait(f"{_called(device)} to open", until):
-                    wire.close(f"no answer within {seconds(OPEN_TICKS):g} s: it does not open", is_late=True)
+                if not wire.wait(said("{called} to open", called=_called(device)), until):
+                    wire.close(
+                        said("no answer within {seconds:g} s: it does not open", seconds=seconds(OPEN_TICKS)),
+                        is_late=True,
+                    )
         finally:
             if line.wire is wire and not wire.is_open:
                 line.close(self._connections)
@@ -120,12 +124,17 @@ class SerialLines:
             return self._open_silent(line, device)
         if not wire.is_open:
             reason = wire.reason or "it was configured by another thread meanwhile"
-            self._warn_once(f"line {device} {reason}", f"{_called(device)} cannot be opened: {reason}")
+            self._warn_once(
+                f"line {device} {reason}",
+                said("{called} cannot be opened: {reason}", called=_called(device), reason=reason),
+            )
         return wire.is_open
 
     def _open_silent(self, line: SerialLine, device: str) -> bool:
         line.wire = SilentLineConnection(self._scheduler, self._log(line, device, NOT_CONNECTED))
-        text = f"{NOT_CONNECTED} to {_called(device)}: it is open, and silent"
+        text = said(
+            "{not_connected} to {called}: it is open, and silent", not_connected=NOT_CONNECTED, called=_called(device)
+        )
         self._warn_once(f"line {device} silent", text, code=BARRED, hint=bind_hint(device))
         return True
 
@@ -160,15 +169,20 @@ class SerialLines:
         """
         line = self._lines.get(device)
         if line is not None and line.is_daemons:
-            text = f"{_called(device)} belongs to a daemon (usage 1); programs may not use it"
+            text = said("{called} belongs to a daemon (usage 1); programs may not use it", called=_called(device))
             raise ScriptPermissionError(text, value=1, limit="usage 0", hint="configure it with usage=0")
         if line is None or line.wire is None:
-            self._warn_once(f"line {device} closed", f"{_called(device)} is not enabled")
+            self._warn_once(f"line {device} closed", said("{called} is not enabled", called=_called(device)))
         elif not line.wire.is_open:
             reason = line.wire.reason or "its device has gone"
-            self._warn_once(f"line {device} {reason}", f"{_called(device)} is closed: {reason}")
+            self._warn_once(
+                f"line {device} {reason}", said("{called} is closed: {reason}", called=_called(device), reason=reason)
+            )
         elif line.mode != mode:
-            self._warn_once(f"line {device} {mode}", f"{_called(device)} is in mode {line.mode}, not {mode}")
+            self._warn_once(
+                f"line {device} {mode}",
+                said("{called} is in mode {mode}, not {wanted}", called=_called(device), mode=line.mode, wanted=mode),
+            )
         else:
             return line, line.wire
         return None
@@ -190,7 +204,7 @@ class SerialLines:
             Stopped: the thread was stopped.
         """
         deadline = Deadline(self._scheduler, timeout_s)
-        reason = f"{count} bytes on {_called(device)}"
+        reason = said("{count} bytes on {called}", count=count, called=_called(device))
         found = self._usable(device, PLAIN)
         if found is None:
             self._let_time_go_by(reason)
@@ -207,7 +221,7 @@ class SerialLines:
         data = bytearray()
         is_last = self._scheduler.caller.is_secondary
         if is_last and len(wire.received) < count:
-            self._warn_once(f"sec read {device}", NOT_ALL_THERE.format(what=_called(device)))
+            self._warn_once(f"sec read {device}", said(NOT_ALL_THERE, what=_called(device)))
         is_late = False
         while True:
             size = min(count - len(data), len(wire.received))
@@ -219,7 +233,7 @@ class SerialLines:
                     if data:
                         from elitescript.messages.observations import ReadingEnded
 
-                        came = f"{len(data)} of {count} bytes"
+                        came = said("{came} of {count} bytes", came=len(data), count=count)
                         wire.log.observe(ReadingEnded, bytes(data[:DATA_MAX]), "count", came, 0.0)
                 return bytes(data)
             is_last = is_late = wire.wait_for_more(reason, deadline)
@@ -251,7 +265,7 @@ class SerialLines:
             wire.log.observe(TextBeyondAscii, data[:DATA_MAX].decode("utf-8", "ignore"))
         end = wire.queued
         while waits and wire.sent < end and wire.is_open:
-            wire.wait(f"room to send on {_called(device)}", None)
+            wire.wait(said("room to send on {called}", called=_called(device)), None)
         return len(data) - max(0, end - wire.sent) if waits else len(data)
 
     def tell_left(self) -> None:
@@ -290,7 +304,7 @@ class SerialLines:
             ScriptPermissionError: the port belongs to a daemon.
             Stopped: the thread was stopped.
         """
-        last = f" to {address + count - 1}" if count > 1 else ""
+        last = said(" to {address}", address=address + count - 1) if count > 1 else ""
         request = pdu.read(function, address, count)
         return self._ask(device, slave, request, timeout_s, f"{address}{last}", is_polled=is_polled)
 
@@ -328,7 +342,7 @@ class SerialLines:
             left_s = seconds(caller.until_tick - self._scheduler.now - 1)
             waits, timeout_s = left_s > 0.0, min(timeout_s, left_s) if timeout_s > 0.0 else left_s
         deadline = Deadline(self._scheduler, timeout_s)
-        reason = f"the answer of slave {slave} on {_called(device)}"
+        reason = said("the answer of slave {slave} on {called}", slave=slave, called=_called(device))
         found = self._usable(device, MODBUS)
         if found is None:
             self._let_time_go_by(reason)
@@ -356,7 +370,7 @@ class SerialLines:
             return None
         except ExceptionResponse as error:
             wire.log.note("refused", f"slave {slave}: {error}")
-            self._say(device, slave, f"it refuses: {error}")
+            self._say(device, slave, said("it refuses: {error}", error=error))
             return None
         finally:
             self._clear(line, wire)
@@ -425,7 +439,10 @@ class SerialLines:
             line.quiet_tick = max(line.quiet_tick, self._scheduler.now + ticks_for(gap_s(line.settings.character_s)))
 
     def _say(self, device: str, slave: int, why: str) -> None:
-        self._warn_once(f"slave {device} {slave} {why}", f"slave {slave} on {_called(device)}: {why}")
+        self._warn_once(
+            f"slave {device} {slave} {why}",
+            said("slave {slave} on {called}: {why}", slave=slave, called=_called(device), why=why),
+        )
 
     # ---------------------------------------------------------------- time
 
@@ -440,4 +457,4 @@ def _settings_text(settings: LineSettings) -> str:
 
 
 def _called(device: str) -> str:
-    return "the serial port of the tool" if device == TOOL else f"the serial port {device}"
+    return "the serial port of the tool" if device == TOOL else said("the serial port {device}", device=device)

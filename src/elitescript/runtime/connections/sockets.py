@@ -18,6 +18,7 @@ from elitescript.runtime.connections.traffic import DATA_MAX, ChannelLog, Traffi
 from elitescript.runtime.environment import Channels, bytes_without_addresses
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
+from elitescript.said import said
 
 CONNECT_TICKS: Final = 2 * TICKS_PER_S
 """Timeout of `socket_open`."""
@@ -94,8 +95,15 @@ class Sockets:
         try:
             until = self._scheduler.now + CONNECT_TICKS
             while connection is not None and connection.is_opening:
-                if not connection.wait(f"{address}:{port} to accept a connection", until) and is_own:
-                    connection.close(f"no answer within {seconds(CONNECT_TICKS):g} s", is_late=True)
+                if (
+                    not connection.wait(
+                        said("{address}:{port} to accept a connection", address=address, port=port), until
+                    )
+                    and is_own
+                ):
+                    connection.close(
+                        said("no answer within {seconds:g} s", seconds=seconds(CONNECT_TICKS)), is_late=True
+                    )
         finally:
             if connection is not None and connection.is_opening and is_own:
                 connection.close("its thread was stopped")
@@ -103,7 +111,13 @@ class Sockets:
             reason = NO_NETWORK if connection is None else connection.reason or "closed at once"
             shown = address if len(address) <= _SHOWN else f"{address[:_SHOWN]}..."
             if connection is None or not connection.is_barred:
-                text = f"socket {name!r} cannot connect to {shown}:{port}: {reason}"
+                text = said(
+                    "socket {name!r} cannot connect to {shown}:{port}: {reason}",
+                    name=name,
+                    shown=shown,
+                    port=port,
+                    reason=reason,
+                )
                 self._warn_once(f"socket {name} {reason}", text)
             return False
         return True
@@ -114,7 +128,11 @@ class Sockets:
                 self.close(closed)
         if len(self._by_name) >= CONNECTIONS_MAX:
             hint = "close those that are done with"
-            raise ScriptStateError(f"{CONNECTIONS_MAX} sockets are open already", value=name, hint=hint)
+            raise ScriptStateError(
+                said("{count} sockets are open already", count=CONNECTIONS_MAX),
+                value=name,
+                hint=hint,
+            )
         log = ChannelLog(self._traffic, "socket", name, f"{address}:{port}")
         channel = self._channels.open(address, port, seconds(CONNECT_TICKS))
         if not channel:
@@ -168,7 +186,7 @@ class Sockets:
             connection.log.observe(TextBeyondAscii, data[:DATA_MAX].decode("utf-8", "ignore"))
         end = connection.queued
         while connection.sent < end and not self._scheduler.caller.is_dying:
-            connection.wait(f"room to send on socket {name!r}", None)
+            connection.wait(said("room to send on socket {name!r}", name=name), None)
             if connection.is_closed:
                 return False
         return True
@@ -188,13 +206,13 @@ class Sockets:
             Stopped: the thread was stopped.
         """
         connection = self._by_name.get(name)
-        reason = f"data on socket {name!r}"
+        reason = said("data on socket {name!r}", name=name)
         if (
             connection is not None
             and self._scheduler.caller.is_secondary
             and rule(connection.received, False)[0] is None
         ):
-            self._warn_once(f"sec read {name}", NOT_ALL_THERE.format(what=f"socket {name!r}"))
+            self._warn_once(f"sec read {name}", said(NOT_ALL_THERE, what=said("socket {name!r}", name=name)))
         looked = rule
         if connection is None:
             self._tell_not_open(name, "read")
@@ -262,7 +280,7 @@ class Sockets:
 
     def _tell_not_open(self, name: str, done: str) -> None:
         shown = name if len(name) <= _SHOWN else f"{name[:_SHOWN]}..."
-        text = f"there is no open socket {shown!r}: nothing is {done}"
+        text = said("there is no open socket {shown!r}: nothing is {done}", shown=shown, done=done)
         self._warn_once(f"socket {name} not open", text, hint=_OPEN_FIRST)
 
     def _looking_for_line_end(self, name: str, connection: ScriptConnection, rule: Texts) -> Rule:
@@ -273,8 +291,9 @@ class Sockets:
         def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
             value, used = rule(data, is_last)
             if used and data.startswith((b"\r", b"\n")):
-                text = (
-                    f"the text read from socket {name!r} begins with the line end that socket_read_ascii_float has left"
+                text = said(
+                    "the text read from socket {name!r} begins with the line end that socket_read_ascii_float has left",
+                    name=name,
                 )
                 self._warn_once(f"line end {name}", text, code="W272", hint=_READ_LINE_END)
             return value, used
@@ -294,7 +313,11 @@ class Sockets:
 
             if (reads := likely_gbk(bytes(part))) is not None:
                 shown = _cut(reads.strip())
-                text = f"the text that came from socket {name!r} looks like GBK, not UTF-8: as GBK it reads {shown!r}"
+                text = said(
+                    "the text that came from socket {name!r} looks like GBK, not UTF-8: as GBK it reads {shown!r}",
+                    name=name,
+                    shown=shown,
+                )
                 self._warn_once(f"encoding {connection.channel}", text, code="W275", hint=_SEND_UTF8)
             return value, used
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import builtins
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
+from importlib import import_module as import_real
 from itertools import chain, repeat
 from types import CodeType, FunctionType
 from typing import TYPE_CHECKING, Any, Final, NoReturn
@@ -36,6 +37,7 @@ from elitescript.runtime.names.modules import Facade, ModuleShelf
 from elitescript.runtime.stdlib.iteration import Steps, iter_until
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
 from elitescript.runtime.threads.strand import UNCATCHABLE
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.runtime.names.identities import Identities
@@ -220,7 +222,7 @@ def _newer(name: str, command: Command, profile: Profile) -> Callable[..., NoRet
         raise FirmwareError(
             newer_firmware_text(name, command.since, profile),
             command=name,
-            limit=f"firmware >= {command.since}",
+            limit=said("firmware >= {since}", since=command.since),
             hint=newer_firmware_hint(command.since),
         )
 
@@ -324,7 +326,7 @@ def _refusal(name: str, _run: Bindings) -> Callable[..., NoReturn]:
         Raises:
             ScriptPermissionError: always.
         """
-        raise ScriptPermissionError(f"{name}() is not available to programs", command=name, hint=advice)
+        raise ScriptPermissionError(said("{name}() is not available to programs", name=name), command=name, hint=advice)
 
     refuse.__name__ = refuse.__qualname__ = name
     return refuse
@@ -335,6 +337,9 @@ def _import(shelf: ModuleShelf) -> Callable[..., Any]:
         """`__import__`."""
         if type(name) is not str:
             raise TypeError(f"the name of a module must be a str, not {type(name).__name__}")
+        if len(details) > 2 and type(details[2]) is list:
+            # Python's own C code needs a module; the statement of a program has a tuple or None here.
+            return import_real(name)
         return shelf.import_module(name, *details, **options)
 
     return import_module
@@ -343,6 +348,19 @@ def _import(shelf: ModuleShelf) -> Callable[..., Any]:
 def _stand_in(name: str) -> type[BaseException]:
     """Return an exception that handlers may name, but that is never raised: the real one belongs to the user."""
     return type(name, (BaseException,), {"__module__": "builtins"})
+
+
+def _group(name: str, _run: Bindings) -> type[Exception]:
+    """Return a class that handlers may name, and that cannot be called: groups could rebuild what ends a thread."""
+
+    def refuse(cls: type, *args: Any, **options: Any) -> NoReturn:
+        raise ScriptPermissionError(
+            f"{name} is not available to programs",
+            command=name,
+            hint="raise one exception; it can hold others in a list",
+        )
+
+    return type(name, (Exception,), {"__module__": "builtins", "__new__": refuse})
 
 
 def _copy_of(function: Any) -> Callable[[Bindings], Any]:
@@ -391,6 +409,7 @@ _LONG: Final = frozenset({"open", "print"})
 
 _MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
     **{name: partial(_refusal, name) for name in REFUSED_BUILTINS},
+    **{name: partial(_group, name) for name in ("BaseExceptionGroup", "ExceptionGroup")},
     "KeyboardInterrupt": lambda run: _stand_in("KeyboardInterrupt"),
     "copy": _preloaded,
     "delattr": _copy_of(checked_delattr),

@@ -280,7 +280,9 @@ class Context:
 
         *Assumed*: drivers send their control program before the arm has power, and it streams from then on.
         """
-        text = f"{error}; servoj, speedj and speedl return after their time and move nothing until it is ready"
+        text = said(
+            "{error}; servoj, speedj and speedl return after their time and move nothing until it is ready", error=error
+        )
         self.warn_once("arm not ready", text, hint=error.hint or "")
         self.wait_ticks(max(1, ticks_for(request.t_s or 0.0)))
 
@@ -338,7 +340,11 @@ class Context:
         limit = self.profile.thread_limit
         if self._port.thread_count() >= limit:
             raise ScriptStateError(
-                f"too many threads: firmware {self.profile.name} runs at most {limit} at a time",
+                said(
+                    "too many threads: firmware {profile} runs at most {limit} at a time",
+                    profile=self.profile.name,
+                    limit=limit,
+                ),
                 code="R121",
                 value=limit + 1,
                 limit=f"<= {limit}",
@@ -403,7 +409,7 @@ class Context:
 
         if size > TEXT_MAX:
             raise InvalidValueError(
-                f"a text of {size} characters; at most {TEXT_MAX} are said at once",
+                said("a text of {size} characters; at most {limit} are said at once", size=size, limit=TEXT_MAX),
                 value=size,
                 limit=f"<= {TEXT_MAX}",
                 unit="characters",
@@ -411,12 +417,12 @@ class Context:
             )
         if is_whole:
             scheduler = self.scheduler
-            said = scheduler.said
-            if said is None:
-                said = scheduler.said = SaidText()
-            while (ticks := said.wait_ticks(scheduler.now)) and not self.strand.is_dying:
+            texts = scheduler.said
+            if texts is None:
+                texts = scheduler.said = SaidText()
+            while (ticks := texts.wait_ticks(scheduler.now)) and not self.strand.is_dying:
                 scheduler.wait(ROOM_FOR_TEXT, scheduler.now + ticks)
-            said.add(size, scheduler.now)
+            texts.add(size, scheduler.now)
 
     def flush(self) -> None:
         """Emit a last line without its end: the program is over."""
@@ -551,7 +557,7 @@ class Context:
 
     def leave(self, name: str) -> NoReturn:
         """End the program like `halt()`, with a warning: `exit()` and similar functions."""
-        self.warn(f"{name}() ends the program like halt()")
+        self.warn(said("{name}() ends the program like halt()", name=name))
         self.halt()
 
     def thread_failed(self, error: BaseException) -> NoReturn:

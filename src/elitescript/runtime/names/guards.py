@@ -21,12 +21,13 @@ from elitescript.language.policy import (
     is_attribute_allowed,
     is_dunder,
 )
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.runtime.names.identities import Identities
 
 _MISSING: Final = object()
-_SPEC_DEPTH: Final = 2
+_SPEC_DEPTH: Final = 1
 """Fields inside fields of a format string; the limit of `str.format`."""
 
 
@@ -89,7 +90,7 @@ def checked_setattr(value: Any, name: Any, new: Any) -> None:
     """
     _check_name("setattr", name)
     if is_dunder(name) or name in DENIED_ATTRIBUTES:
-        raise ScriptPermissionError(f"the attribute {name!r} cannot be changed", value=name)
+        raise ScriptPermissionError(said("the attribute {name!r} cannot be changed", name=name), value=name)
     setattr(value, name, new)
 
 
@@ -101,7 +102,7 @@ def checked_delattr(value: Any, name: Any) -> None:
     """
     _check_name("delattr", name)
     if is_dunder(name) or name in DENIED_ATTRIBUTES:
-        raise ScriptPermissionError(f"the attribute {name!r} cannot be deleted", value=name)
+        raise ScriptPermissionError(said("the attribute {name!r} cannot be deleted", name=name), value=name)
     delattr(value, name)
 
 
@@ -120,7 +121,7 @@ def _check_name(function: str, name: Any) -> None:
 
 
 def _not_available(name: str) -> ScriptPermissionError:
-    return ScriptPermissionError(f"the attribute {name!r} is not available to programs", value=name)
+    return ScriptPermissionError(said("the attribute {name!r} is not available to programs", name=name), value=name)
 
 
 # ---------------------------------------------------------------- format strings

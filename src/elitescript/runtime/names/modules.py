@@ -17,9 +17,11 @@ from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
 from elitescript.language.modules import AVAILABLE, COPIED_NAMES, NETWORK, SHARED, SHARED_NAMES
+from elitescript.language.policy import is_dunder
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
+from elitescript.said import said
 
 
 class Facade(metaclass=Sealed):
@@ -57,9 +59,9 @@ def _advice(attribute: str, facade: Facade) -> str:
 
     names = sorted(vars(facade))
     if len(names) <= FEW_NAMES:
-        return f"; it has {', '.join(names)}"
+        return said("; it has {names}", names=", ".join(names))
     meant = nearest(attribute, names)
-    return f"; is `{meant}` meant?" if meant else ""
+    return said("; is `{meant}` meant?", meant=meant) if meant else ""
 
 
 FEW_NAMES: Final = 24
@@ -184,11 +186,12 @@ class ModuleShelf:
 
 def _refusal(name: str) -> str:
     if name.partition(".")[0] in NETWORK:
-        return (
-            f"the module {name!r} is not available to programs; "
-            "the commands socket_open, socket_send_string, rpc_factory and their like reach the network"
+        return said(
+            "the module {name!r} is not available to programs; the commands socket_open, "
+            "socket_send_string, rpc_factory and their like reach the network",
+            name=name,
         )
-    return f"the module {name!r} is not available to programs"
+    return said("the module {name!r} is not available to programs", name=name)
 
 
 def _chosen(space: dict[str, Any], wanted: str) -> dict[str, Any]:
@@ -203,15 +206,17 @@ def _own_wraps(names: dict[str, Any]) -> None:
     """Replace `wraps` by one without lists of attributes, which could name any attribute."""
 
     def update_wrapper(wrapper: Any, wrapped: Any) -> Any:
-        """Give a function the name and the text of the one that it wraps."""
+        """Give a function the name, the text and the attributes of the one that it wraps."""
         for attribute in ("__name__", "__qualname__", "__doc__"):
             value = getattr(wrapped, attribute, None)
             if type(value) is str:
                 setattr(wrapper, attribute, value)
+        if type(wrapped) is FunctionType and type(wrapper) is FunctionType:
+            wrapper.__dict__.update({name: value for name, value in vars(wrapped).items() if not is_dunder(name)})
         return wrapper
 
     def wraps(wrapped: Any) -> Callable[[Any], Any]:
-        """Decorator that gives a function the name and the text of the one that it wraps."""
+        """Decorator that gives a function the name, the text and the attributes of the one that it wraps."""
         return lambda wrapper: update_wrapper(wrapper, wrapped)
 
     names["update_wrapper"] = update_wrapper
@@ -257,12 +262,34 @@ def _without_evaluation(names: dict[str, Any]) -> None:
     names["NewType"].__init__.__globals__["ForwardRef"] = _ForwardRef
 
 
+def _own_date_errors(names: dict[str, Any]) -> None:
+    """Give the errors of dates the texts that the C code of Python gives them."""
+    space = names["date"].today.__func__.__globals__
+
+    def plain(check: Callable[..., Any]) -> Callable[..., Any]:
+        def checked(*args: Any) -> Any:
+            try:
+                return check(*args)
+            except ValueError as error:
+                if len(error.args) != 2:
+                    raise
+                text, value = error.args
+                text = f"year {value} is out of range" if text.startswith("year") else text
+                raise ValueError("day is out of range for month" if text.startswith("day") else text) from None
+
+        return checked
+
+    for name in ("_check_date_fields", "_check_time_fields"):
+        space[name] = plain(space[name])
+
+
 _LONG: Final = SHARED | {"os", "random", "re", "subprocess", "time"}
 """Modules with functions whose calls may take long; those of copies stay as they are: some look at their caller."""
 
 
 _FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {
     "collections": _own_user_string,
+    "datetime": _own_date_errors,
     "functools": _own_wraps,
     "json": _own_json_error,
     "typing": _without_evaluation,

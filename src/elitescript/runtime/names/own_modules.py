@@ -48,6 +48,6 @@ _MAKERS: Final[dict[str, Callable[[Owner], dict[str, Any]]]] = {
     "re": lambda program: re_names(),
     "signal": lambda program: signal_names(),
     "subprocess": lambda program: subprocess_names(program.processes, program.scheduler),
-    "sys": lambda program: system_names(program.context.write, program.context.leave),
+    "sys": lambda program: system_names(program.context.write, program.context.leave, program.context.profile.python),
     "time": lambda program: clock_names(program.context, lambda: program.shelf.copy("_strptime")),
 }

@@ -9,6 +9,7 @@ from elitescript.errors import NotSimulatedError, ScriptPermissionError
 from elitescript.runtime.environment import TASK_PATH, Files, relative_name
 from elitescript.runtime.stdlib.loader import forwarded, real
 from elitescript.runtime.stdlib.subprocess_module import FIRST_PID, HARMLESS, ProcessTable
+from elitescript.said import said
 
 
 def os_names(files: Files, table: ProcessTable, facade: Callable[[str, dict[str, Any]], Any]) -> dict[str, Any]:
@@ -108,7 +109,9 @@ def _path_names(files: Files) -> dict[str, Any]:
         name = relative_name(path)
         if not files.kind(name):
             raise FileNotFoundError(2, "No such file or directory", path)
-        raise NotSimulatedError(f"the task folder keeps no times: when {path!r} was changed is not known", value=path)
+        raise NotSimulatedError(
+            said("the task folder keeps no times: when {path!r} was changed is not known", path=path), value=path
+        )
 
     return {
         **{name: forwarded(getattr(posixpath, name)) for name in _PATH_FUNCTIONS.split()},

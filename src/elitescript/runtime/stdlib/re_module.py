@@ -1,9 +1,10 @@
-"""`re` for scripts. Flags are plain ints, because the class of the real ones leads to every loaded module."""
+"""`re` for scripts. Flags have a class of their own, because that of the real ones leads to every loaded module."""
 
 from __future__ import annotations
 
 from typing import Any, Final
 
+from elitescript.runtime.sealed import Sealed
 from elitescript.runtime.stdlib.loader import forwarded, real
 
 _FUNCTIONS: Final = "compile escape findall finditer fullmatch match search split sub subn"
@@ -25,8 +26,31 @@ _FLAGS: Final = {
 }
 
 
+class RegexFlag(int, metaclass=Sealed):
+    """A flag, or several of them."""
+
+    __slots__ = ()
+    __module__ = "re"
+
+    def __or__(self, other: Any) -> Any:
+        return RegexFlag(int(self) | other) if isinstance(other, int) else NotImplemented
+
+    def __and__(self, other: Any) -> Any:
+        return RegexFlag(int(self) & other) if isinstance(other, int) else NotImplemented
+
+    __ror__ = __or__
+    __rand__ = __and__
+
+    def __repr__(self) -> str:
+        names = [f"re.{name}" for name, value in _FLAGS.items() if len(name) > 2 and value and self & value]
+        return "|".join(names) or "re.NOFLAG"
+
+    __str__ = __repr__
+
+
 def re_names() -> dict[str, Any]:
     """Return the public names of `re`."""
     host = real("re")
     names: dict[str, Any] = {name: forwarded(getattr(host, name)) for name in _FUNCTIONS.split()}
-    return {**names, **_FLAGS, "Match": host.Match, "Pattern": host.Pattern, "error": host.error}
+    flags = {name: RegexFlag(value) for name, value in _FLAGS.items()}
+    return {**names, **flags, "RegexFlag": RegexFlag, "Match": host.Match, "Pattern": host.Pattern, "error": host.error}

@@ -16,6 +16,7 @@ from elitescript.messages.timing import ticks_for
 from elitescript.runtime.files import ScriptFile, file_over
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.said import said
 
 PROCESSES_MAX: Final = 32
 """Processes that a program may have running."""
@@ -355,6 +356,6 @@ def _kind_of(words: list[str]) -> str:
 
 def _refusal(words: list[str]) -> ScriptPermissionError:
     return ScriptPermissionError(
-        f"the command {' '.join(words)!r} is not run: programs cannot start processes",
+        said("the command {command!r} is not run: programs cannot start processes", command=" ".join(words)),
         hint="only ps, pgrep and socat are known, and they exist in name only",
     )

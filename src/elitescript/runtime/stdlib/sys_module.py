@@ -4,17 +4,40 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from operator import itemgetter
 from typing import Any
 
 from elitescript.runtime.files import ScriptStream
+from elitescript.runtime.sealed import Sealed
 
 
-def system_names(write: Callable[[str], None], leave: Callable[[str], None]) -> dict[str, Any]:
+class VersionInfo(tuple[Any, ...], metaclass=Sealed):
+    """The version of Python, as programs see it."""
+
+    __slots__ = ()
+    __module__ = "sys"
+    __qualname__ = "version_info"
+
+    major = property(itemgetter(0))
+    minor = property(itemgetter(1))
+    micro = property(itemgetter(2))
+    releaselevel = property(itemgetter(3))
+    serial = property(itemgetter(4))
+
+    def __repr__(self) -> str:
+        fields = ("major", "minor", "micro", "releaselevel", "serial")
+        return f"sys.version_info({', '.join(f'{name}={value!r}' for name, value in zip(fields, self, strict=True))})"
+
+
+def system_names(
+    write: Callable[[str], None], leave: Callable[[str], None], python: tuple[int, int, int]
+) -> dict[str, Any]:
     """Return the public names of `sys` for one program.
 
     Args:
         write: writes to the standard output.
         leave: ends the program; called with the name of the function.
+        python: the version of Python.
     """
 
     def exit(status: object = None) -> None:
@@ -30,6 +53,6 @@ def system_names(write: Callable[[str], None], leave: Callable[[str], None]) -> 
         "platform": "linux",
         "stderr": stream,
         "stdout": stream,
-        "version": ".".join(str(part) for part in sys.version_info[:3]),
-        "version_info": tuple(sys.version_info[:3]),
+        "version": ".".join(map(str, python)),
+        "version_info": VersionInfo((*python, "final", 0)),
     }

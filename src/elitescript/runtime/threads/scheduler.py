@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.messages.timing import WORK_PER_TICK
 from elitescript.runtime.threads.strand import ENDED, READY, WAITING, LineTables, Stopped, Strand
 from elitescript.runtime.threads.timers import Timers
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.runtime.threads.meter import Meter
@@ -512,7 +513,7 @@ class Scheduler:
 
         strand.at_end.append(wake)
         try:
-            self.wait(f"the end of thread {strand.name!r}", until)
+            self.wait(said("the end of thread {strand!r}", strand=strand.name), until)
         finally:
             if wake in strand.at_end:
                 strand.at_end.remove(wake)

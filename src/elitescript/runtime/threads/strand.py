@@ -18,6 +18,7 @@ from greenlet import GreenletExit, getcurrent, greenlet  # type: ignore[import-u
 from elitescript.language.modules import COPIED
 from elitescript.messages.timing import seconds
 from elitescript.records import NamedTuple
+from elitescript.said import Said, said
 
 READY: Final = "ready"
 WAITING: Final = "waiting"
@@ -448,14 +449,22 @@ class ThreadState(NamedTuple):
     """Why it does not go on; empty if that was not asked for, or is not known."""
 
     @property
+    def held(self) -> str:
+        """What holds it, in words behind its name."""
+        if self.because and (not self.waits_for or self.waits_for.startswith(TIME_TO_GO_BY)):
+            return said("is held: {because}", because=self.because)
+        words = said("waits for {waits_for}", waits_for=self.waits_for) if self.waits_for else Said("is held")
+        return said("{words}: {because}", words=words, because=self.because) if self.because else words
+
+    @property
     def doing(self) -> str:
         """State in words."""
-        words = f"waiting for {self.waits_for}" if self.waits_for else "running"
+        words = said("waiting for {waits_for}", waits_for=self.waits_for) if self.waits_for else "running"
         if not self.because:
             return words
         # That time goes by says nothing of why.
         is_time = not self.waits_for or self.waits_for.startswith(TIME_TO_GO_BY)
-        return self.because if is_time else f"{words}: {self.because}"
+        return self.because if is_time else said("{words}: {because}", words=words, because=self.because)
 
 
 def state_of(strand: Strand) -> ThreadState:
@@ -469,8 +478,13 @@ def _wait_of(strand: Strand) -> str:
     if not reason:
         return ""
     if strand.until is not None:
-        reason = f"{reason}, until {seconds(strand.until):.3f} s"
+        reason = said("{reason}, until {seconds:.3f} s", reason=reason, seconds=seconds(strand.until))
     frame = strand.called_from_script()
     if frame is not None and frame.f_globals.get("__name__") in COPIED:
-        return f"{reason} in {frame.f_globals['__name__']}.{frame.f_code.co_qualname}()"
+        return said(
+            "{reason} in {module}.{function}()",
+            reason=reason,
+            module=frame.f_globals["__name__"],
+            function=frame.f_code.co_qualname,
+        )
     return reason

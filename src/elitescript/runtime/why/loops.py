@@ -33,10 +33,10 @@ def scope_at(symbols: Symbols, line: int) -> Scope:
     return found
 
 
-def loop_at(symbols: Symbols, line: int) -> ast.While | ast.For | None:
-    """Return the innermost loop around a line in the function of that line."""
+def loops_at(symbols: Symbols, line: int) -> list[ast.While | ast.For]:
+    """Return the loops around a line in the function of that line, the innermost one first."""
     home = scope_at(symbols, line)
-    found: ast.While | ast.For | None = None
+    found: list[ast.While | ast.For] = []
     stack: list[ast.AST] = list(home.statements)
     while stack:
         node = stack.pop()
@@ -44,10 +44,10 @@ def loop_at(symbols: Symbols, line: int) -> ast.While | ast.For | None:
             node, ast.stmt | ast.ExceptHandler | ast.match_case
         ):
             continue
-        if isinstance(node, ast.While | ast.For) and _holds(node, line) and node.lineno >= _line_of(found):
-            found = node
+        if isinstance(node, ast.While | ast.For) and _holds(node, line):
+            found.append(node)
         stack += ast.iter_child_nodes(node)
-    return found
+    return sorted(found, key=lambda loop: (loop.lineno, loop.col_offset), reverse=True)
 
 
 def exits(loop: ast.While | ast.For) -> list[Exit]:
@@ -57,15 +57,19 @@ def exits(loop: ast.While | ast.For) -> list[Exit]:
 
 def _exits(body: list[ast.stmt], before: tuple[ast.expr, ...], *, is_inner: bool) -> Iterator[Exit]:
     for statement in body:
-        if isinstance(statement, ast.If):
+        if before and _leaves(statement, is_inner=is_inner):
+            yield Exit(statement.lineno, _all_of(before))
+        elif isinstance(statement, ast.If):
             tests = (*before, statement.test)
-            if any(_leaves(inner, is_inner=is_inner) for inner in statement.body):
-                whole = tests[0] if len(tests) == 1 else ast.BoolOp(ast.And(), list(tests))
-                yield Exit(statement.lineno, whole)
+            if statement.body and isinstance(statement.body[-1], ast.Continue) and not statement.orelse:
+                # What follows is reached where the condition is false.
+                before = (*before, _negated(statement.test))
+            elif any(_leaves(inner, is_inner=is_inner) for inner in statement.body):
+                yield Exit(statement.lineno, _all_of(tests))
             else:
                 yield from _exits(statement.body, tests, is_inner=is_inner)
             if any(_leaves(inner, is_inner=is_inner) for inner in statement.orelse):
-                yield Exit(statement.lineno, ast.UnaryOp(ast.Not(), statement.test))
+                yield Exit(statement.lineno, _negated(statement.test))
             else:
                 yield from _exits(statement.orelse, before, is_inner=is_inner)
         elif isinstance(statement, ast.Try):
@@ -75,6 +79,16 @@ def _exits(body: list[ast.stmt], before: tuple[ast.expr, ...], *, is_inner: bool
             yield from _exits(statement.body, before, is_inner=is_inner)
         elif isinstance(statement, ast.While | ast.For):
             yield from _exits(statement.body, before, is_inner=True)
+
+
+def _negated(test: ast.expr) -> ast.expr:
+    if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
+        return test.operand
+    return ast.UnaryOp(ast.Not(), test)
+
+
+def _all_of(tests: tuple[ast.expr, ...]) -> ast.expr:
+    return tests[0] if len(tests) == 1 else ast.BoolOp(ast.And(), list(tests))
 
 
 def _leaves(statement: ast.stmt, *, is_inner: bool) -> bool:

@@ -23,7 +23,7 @@ from elitescript.runtime.stdlib.locks import A_LOCK, holder_awaited, is_lock, wa
 from elitescript.runtime.threads.strand import ENDED, TIME_TO_GO_BY, Strand
 from elitescript.runtime.why.conditions import Conditions, cut, shown
 from elitescript.runtime.why.facts import Facts
-from elitescript.runtime.why.loops import EXITS_MAX, Exit, exits, loop_at, scope_at
+from elitescript.runtime.why.loops import EXITS_MAX, Exit, exits, loops_at, scope_at
 from elitescript.runtime.why.setters import Setters
 from elitescript.values.concrete import UNKNOWN
 
@@ -42,9 +42,10 @@ class Reasons:
         connections: that it has.
         facts: what is known of its surroundings.
         start_tick: its first tick, from which times are counted.
+        is_paused: whether the program is.
     """
 
-    __slots__ = ("__dict__", "_connections", "_facts", "_program", "_start_tick", "_strands", "_unit")
+    __slots__ = ("__dict__", "_connections", "_facts", "_is_paused", "_program", "_start_tick", "_strands", "_unit")
 
     def __init__(
         self,
@@ -54,6 +55,8 @@ class Reasons:
         connections: Iterable[Receiver],
         facts: Facts,
         start_tick: int,
+        *,
+        is_paused: bool = False,
     ) -> None:
         self._unit = unit
         self._program = program
@@ -61,6 +64,7 @@ class Reasons:
         self._connections = [one for one in connections if isinstance(one, ScriptConnection)]
         self._facts = facts
         self._start_tick = start_tick
+        self._is_paused = is_paused
 
     def of(self, strand: Strand) -> str:
         """Return why a thread does not go on, for behind what it waits for; empty if that is not known."""
@@ -73,6 +77,8 @@ class Reasons:
             return "nothing here confirms it"
         if reason == RESUME:
             return "nothing here resumes it"
+        if self._is_paused and not strand.is_secondary:
+            return "the program is paused, and nothing here resumes it"
         data = self._data(strand)
         if reason and reason not in (TIME_TO_GO_BY, MOVE_END) and strand.until is None:
             return data
@@ -101,10 +107,14 @@ class Reasons:
         """Return the words for the innermost loop in which a thread is."""
         for frame in self._frames(strand):
             line = strand.line_of(frame)
-            loop = loop_at(self._symbols, line)
-            if loop is not None:
-                scope = scope_at(self._symbols, loop.lineno)
-                return self._words(loop, {**frame.f_globals, **frame.f_locals}, scope, strand, line)
+            loops = loops_at(self._symbols, line)
+            # A `for` comes to its end: what is around it says more.
+            around = next((loop for loop in loops if isinstance(loop, ast.While)), None)
+            if loops:
+                names = {**frame.f_globals, **frame.f_locals}
+                scope = scope_at(self._symbols, loops[0].lineno)
+                chosen = [loop for loop in (loops[0], around) if loop is not None]
+                return "; ".join(self._words(loop, names, scope, strand, line) for loop in dict.fromkeys(chosen))
         return ""
 
     def _words(
@@ -176,7 +186,7 @@ class Reasons:
             return f"it holds {which} itself"
         if holder.state is ENDED:
             return f"{holder.name} holds {which} and has ended"
-        wait = f", waiting for {holder.waits_for}" if holder.waits_for else ""
+        wait = f", waiting for {holder.waits_for}" if holder.waits_for not in ("", TIME_TO_GO_BY) else ""
         return f"{holder.name} holds {which} and is in line {holder.line}{wait}"
 
     def _is_in_library(self, strand: Strand) -> bool:

@@ -28,6 +28,7 @@ from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Files, FilesRefused
+from elitescript.said import said
 from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, OutputBuffer, PendingInputs, room_for
 from elitescript.services.child.frames import NEVER, REFRESH_TICKS
 from elitescript.services.child.jail import MEMORY_MAX, Layer
@@ -373,7 +374,11 @@ class ChildLink:
     def _send_tick(self, transport: ChildTransport, tick: int, parts: int, *, asks_due: bool) -> None:
         inputs = self._pending.portion()
         if refused := self._pending.take_refused():
-            text = f"{refused} inputs were refused: {WAITING_MAX} waited for the robot already"
+            text = said(
+                "{refused} inputs were refused: {waiting_max} waited for the robot already",
+                refused=refused,
+                waiting_max=WAITING_MAX,
+            )
             self._outputs.add_own(Warned(tick, text))
         if self._needs_snapshot(transport, tick):
             parts = ALL_PARTS
@@ -513,7 +518,9 @@ class ChildLink:
         """
         boots, reason = self._supervision.boots, self._supervision.reason
         if boots >= BOOTS_MAX:
-            raise ElitescriptError(f"the robot's process ended {boots} times before it answered: {reason}")
+            raise ElitescriptError(
+                said("the robot's process ended {boots} times before it answered: {reason}", boots=boots, reason=reason)
+            )
         try:
             self._start_child()
         except UsageError as error:

@@ -20,6 +20,7 @@ from elitescript.codec.values import CodecError
 from elitescript.environment import stop_signals
 from elitescript.environment.process import HASH_SEED
 from elitescript.observer import COVERAGE_VARIABLE
+from elitescript.said import said
 from elitescript.services.child.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
 
 PYTHON: Final = (sys.executable, "-P", "-s", "-m")
@@ -148,7 +149,7 @@ class ChildProcess:
             except BlockingIOError:
                 pass
             except OSError as error:
-                self._over(f"it is gone: {error.strerror}")
+                self._over(said("it is gone: {strerror}", strerror=error.strerror))
                 return
             if not data:
                 return
@@ -212,7 +213,7 @@ class ChildProcess:
         except BlockingIOError:
             return
         except OSError as error:
-            self._over(f"it is gone: {error.strerror}")
+            self._over(said("it is gone: {strerror}", strerror=error.strerror))
             return
         if not data:
             self._over("it has ended")
@@ -227,7 +228,7 @@ class ChildProcess:
                     return
                 self._on_message(letter, text)
         except CodecError as error:
-            self._over(f"what it says is no message: {error}")
+            self._over(said("what it says is no message: {error}", error=error))
 
     def _writable(self) -> None:
         try:
@@ -235,7 +236,7 @@ class ChildProcess:
         except BlockingIOError:
             return
         except OSError as error:
-            self._over(f"it is gone: {error.strerror}")
+            self._over(said("it is gone: {strerror}", strerror=error.strerror))
             return
         if not self._backlog:
             self._loop.remove_writer(self._socket)
@@ -278,9 +279,9 @@ class ChildProcess:
             self._process.wait(0.02)
         code = self._process.returncode
         if code is not None and code < 0:
-            reason += f" (killed by signal {-code})"
+            reason = said("{reason} (killed by signal {code})", reason=reason, code=-code)
         elif code not in (None, 0, 1):
-            reason += f" (exit code {code})"
+            reason = said("{reason} (exit code {code})", reason=reason, code=code)
         self._on_end(reason)
 
     def _release(self) -> None:

@@ -21,6 +21,7 @@ from elitescript.messages.inputs import Input, PlayTask, RunUnit
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
+from elitescript.said import said
 from elitescript.services.child.process import ChildProcess
 from elitescript.services.child.transport import ChildTransport, SentTick
 from elitescript.services.child.urgent import WORKED_SHARE
@@ -143,7 +144,12 @@ class Supervision:
         self.restarts += 1
         pause = self._put_off(tick, reason)
         if pause:
-            return f"{reason}; after {self._failures} times in a row it starts {pause / TICKS_PER_S:g} s later"
+            return said(
+                "{reason}; after {failures} times in a row it starts {pause:g} s later",
+                reason=reason,
+                failures=self._failures,
+                pause=pause / TICKS_PER_S,
+            )
         return reason
 
     def note_ended(self, reason: str) -> None:
@@ -217,7 +223,10 @@ class Supervision:
         now_s = process.worked_s()
         if now_s is not None and worked_s is not None and now_s - worked_s < WORKED_SHARE * limit_s:
             return None
-        reason = f"a call of the program had not come back {passed_s * 1000.0:.0f} ms after it was to be stopped"
+        reason = said(
+            "a call of the program had not come back {passed_s:.0f} ms after it was to be stopped",
+            passed_s=passed_s * 1000.0,
+        )
         return Failure(reason, process.where(), HINT, is_stop=True)
 
     def _is_hanging(self, ticks: int, process: ChildProcess, *, more_s: float) -> bool:
@@ -242,12 +251,20 @@ class Supervision:
     def _hang(self, sent: SentTick, where: tuple[str, int] | None, *, is_compiling: bool) -> Failure:
         silent_s = self.silent_s()
         if is_compiling and where is None:
-            reason = f"a program text of {sent.size} bytes was not compiled within {silent_s:.1f} s"
+            reason = said(
+                "a program text of {size} bytes was not compiled within {silent_s:.1f} s",
+                size=sent.size,
+                silent_s=silent_s,
+            )
             return Failure(reason, where, COMPILE_HINT)
         if sent.asking_since_s and time.monotonic() - sent.asking_since_s >= FILES_MAX_S:
-            reason = f"the program has worked with files for more than {FILES_MAX_S:g} s in one tick"
+            reason = said(
+                "the program has worked with files for more than {files_max_s:g} s in one tick", files_max_s=FILES_MAX_S
+            )
             return Failure(reason, where, FILES_HINT)
-        return Failure(f"a call of the program did not come back for {silent_s:.2f} s", where, HINT)
+        return Failure(
+            said("a call of the program did not come back for {silent_s:.2f} s", silent_s=silent_s), where, HINT
+        )
 
 
 def termination_events(
@@ -280,7 +297,7 @@ def termination_events(
         line = last_line
     hint = failure.hint
     details = {"program": where[0], "hint": hint or HINT} if where else {"hint": hint} if hint else {}
-    text = f"the controller was restarted: {failure.reason}"
+    text = said("the controller was restarted: {reason}", reason=failure.reason)
     events.append(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))
     if is_running:
         ended = TaskStateChanged(tick, TaskState.STOPPED, running, "stopped" if failure.is_stop else "alarm")

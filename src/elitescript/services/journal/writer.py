@@ -38,6 +38,7 @@ from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
+from elitescript.said import said
 from elitescript.services.journal import format2
 from elitescript.services.journal.file import JournalFile
 from elitescript.services.journal.format2 import Format2
@@ -176,7 +177,7 @@ class Journal:
         if not self.failure or self._is_told:
             return ()
         self._is_told = True
-        return (Warned(tick, f"the journal ends here, it cannot be written: {self.failure}"),)
+        return (Warned(tick, said("the journal ends here, it cannot be written: {reason}", reason=self.failure)),)
 
     def close(self) -> None:
         """Write the end of the session, and close the file."""

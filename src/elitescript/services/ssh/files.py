@@ -371,6 +371,15 @@ class OpenFile:
         self._check_writes()
         self._files._resize(self._file, max(size, 0))
 
+    def set_time(self, time_s: int) -> None:
+        """Set the time of the last change, in seconds since 1970; a later write sets another one.
+
+        Raises:
+            OSError: not opened to be written.
+        """
+        self._check_writes()
+        self._file.time_s = time_s
+
     def close(self) -> None:
         """Let it go."""
         if self._is_open:

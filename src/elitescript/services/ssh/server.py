@@ -389,13 +389,13 @@ class _Sftp(asyncssh.SFTPServer):
         return _attributes(_opened(file_obj).status)
 
     def setstat(self, path: bytes, attrs: Any) -> None:
-        """Set the size; owners, modes and times stay as they are."""
-        if attrs.size is None:
-            self._files.status(_text(path))
+        """Set the size and the time of the last change; owners and modes stay as they are, and so do folders."""
+        status = self._files.status(_text(path))
+        if status.is_folder or (attrs.size is None and attrs.mtime is None):
             return
         file = self._files.open(_text(path), writes=True)
         try:
-            file.truncate(attrs.size)
+            _set(file, attrs)
         finally:
             file.close()
 
@@ -403,8 +403,7 @@ class _Sftp(asyncssh.SFTPServer):
         self.setstat(path, attrs)
 
     def fsetstat(self, file_obj: object, attrs: Any) -> None:
-        if attrs.size is not None:
-            _opened(file_obj).truncate(attrs.size)
+        _set(_opened(file_obj), attrs)
 
     def scandir(self, path: bytes) -> _Listing:
         listings = self._login.listings
@@ -477,6 +476,14 @@ def _opened(file_obj: object) -> OpenFile:
 
 def _text(path: bytes) -> str:
     return path.decode(errors="surrogateescape")
+
+
+def _set(file: OpenFile, attrs: Any) -> None:
+    """Set what a client asks for; the time last, which a change of the size sets too."""
+    if attrs.size is not None:
+        file.truncate(attrs.size)
+    if attrs.mtime is not None:
+        file.set_time(int(attrs.mtime))
 
 
 def _attributes(status: Status) -> Any:
