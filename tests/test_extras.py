@@ -55,7 +55,10 @@ OPTIONS: dict[str, list[list[str]]] = {
     "lsp": [["lsp", "--tcp", "0"]],
     "studio": [["serve", "--studio", "--port", "all=0"]],
     "cluster": [["sweep", "p.script", "--runs", "2", "--dask", "tcp://127.0.0.1:1"]],
-    "parquet": [["sweep", "p.script", "--runs", "2", "--out", "t.parquet"]],
+    "parquet": [
+        ["sweep", "p.script", "--runs", "2", "--out", "t.parquet"],
+        ["run", "p.script", "--trace", "t.parquet"],
+    ],
     "mcap": [["record", "127.0.0.1", "--out", "new.mcap"]],
 }
 """Calls with options that need the package of an extra, beside those of the table of all commands."""

@@ -7,7 +7,7 @@ run.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import partial
+from functools import cache, partial
 from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
@@ -450,7 +450,7 @@ class VirtualRobot:
         run = Run(unit, self.tick, _compiler_warnings(unit, self.options.ignored))
         run.is_alone = self._outside.is_alone and self._clients is None and not may_hold_set(values.values())
         run.look = lambda: self._look(run)
-        run.check_text = partial(_findings_of, unit, self.profile, self.model, tuple(values), self.options)
+        run.check_text = cache(partial(_findings_of, unit, self.profile, self.model, tuple(values), self.options))
         self._run = run
         self._choose_record()
         if self.options.power_on and not self.controller.safety.refusal("power_on"):

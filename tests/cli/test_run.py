@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from elitescript.cli.main import main
+from elitescript.cli.output import trace_file
 from elitescript.cli.watched import can_watch
 from elitescript.controller.views.trace import TRACE_COLUMNS
 
@@ -201,6 +202,27 @@ def test_a_trace_as_csv_and_as_json_lines_is_the_same(program, tmp_path, capsys,
     assert float(records[-1]["x"]) == pytest.approx(0.45, abs=1e-9)
 
 
+def test_a_trace_as_parquet_has_the_rows_and_signals_of_one_as_json_lines(program, tmp_path, monkeypatch, capsys):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    monkeypatch.setattr(trace_file, "GROUP_ROWS", 50)
+    path = program(
+        "def a():\n  set_standard_digital_out(0, True)\n  movel([0.45, -0.15, 0.45, 3.14159, 0, -1.5708])\nend\n"
+    )
+    names = "standard_digital_out[0],standard_analog_out[0],output_int_register[3]"
+    for ending in ("parquet", "jsonl"):
+        assert main(["run", path, "--trace", str(tmp_path / f"out.{ending}"), "--trace-signals", names]) == 0
+    table = parquet.read_table(tmp_path / "out.parquet")
+    assert table.to_pylist() == [json.loads(line) for line in (tmp_path / "out.jsonl").read_text().splitlines()]
+    assert [str(kind) for kind in table.schema.types[-4:]] == ["string", "bool", "double", "int64"]
+    assert parquet.ParquetFile(tmp_path / "out.parquet").num_row_groups > 1
+
+
+def test_a_trace_as_parquet_of_a_program_that_does_not_move(program, tmp_path, capsys):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    assert main(["run", program("def a():\n  x = 1\nend\n"), "--trace", str(tmp_path / "out.parquet")]) == 0
+    assert parquet.read_table(tmp_path / "out.parquet").column_names == list(TRACE_COLUMNS)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -209,7 +231,7 @@ def test_a_trace_as_csv_and_as_json_lines_is_the_same(program, tmp_path, capsys,
         (["--joints", "1,2"], "six"),
         (["--set", "x"], "NAME=VALUE"),
         (["--set", "standard_digital_in[99]=1"], "indices 0 to 15"),
-        (["--trace", "out.txt"], ".csv or .jsonl"),
+        (["--trace", "out.txt"], ".csv, .jsonl or .parquet"),
         (["--step", "1"], "--trace"),
         (["--trace", "out.csv", "--step", "0.003"], "choose 0.004 s"),
         (["--trace", "out.csv", "--step", "0.01"], "choose 0.008 or 0.012 s"),

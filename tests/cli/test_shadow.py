@@ -17,7 +17,7 @@ from tests.recorder.controller import HOST, FakeController, closed_port, served,
 module = importlib.import_module("elitescript.cli.shadow")
 TIMES = list(ticks(1.0, 300))
 LAST_S = TIMES[-1] - 1e-6
-PROGRAM = "def main():\n  sleep(0.2)\nend\nmain()\n"
+PROGRAM = "def main():\n  sleep(0.2)\nend\n"
 
 
 @contextmanager
@@ -87,6 +87,17 @@ def test_they_agree(program, capsys):
     with controller(2) as words:
         assert main(["shadow", *words, "--program", program]) == 0
     assert capsys.readouterr().out.endswith("1 run: no difference\n")
+
+
+@pytest.mark.usefixtures("whole")
+def test_what_check_finds_in_the_text_is_in_the_last_line_too(tmp_path, capsys):
+    path = tmp_path / "warned.script"
+    path.write_text(PROGRAM.replace("end", "  x = get_standard_digital_in(0) == 'on'\nend"))
+    with controller(2) as words:
+        assert main(["shadow", *words, "--program", str(path)]) == 0
+    out, err = capsys.readouterr()
+    assert out.endswith("1 run: no difference; in the text 1 warning\n")
+    assert f"{path}:3:7: warning W240" in err
 
 
 @pytest.mark.usefixtures("whole")

@@ -5,6 +5,7 @@ import json
 import pytest
 
 from elitescript.cli.main import main
+from elitescript.robot import VirtualRobot
 
 SERVO = "def f():\n  q = get_actual_joint_positions()\n  q[0] = q[0] + 0.8\n  servoj(q, t=0.008)\nend\n"
 SOUND = "def f():\n  sleep(0.1)\nend\n"
@@ -102,3 +103,47 @@ def test_a_text_that_does_not_compile_is_in_the_report(call):
 
 def test_json_and_another_format_contradict_each_other(call):
     assert call(SOUND, "--json", "--format", "sarif")[0] == 2
+
+
+CAUGHT = "def f():\n  try:\n    movj(1)\n  except Exception:\n    sleep(0.1)\n  end\nend\n"
+COMPARED = "def f():\n  x = get_standard_digital_in(0) == 'on'\n  sleep(0.1)\nend\n"
+
+
+@pytest.mark.parametrize(("text", "code"), [(COMPARED, 3), (CAUGHT, 3), (SERVO, 1), (SOUND, 0)])
+def test_strict_refuses_what_the_text_shows_and_fails_what_the_run_shows(call, text, code):
+    assert call(text, "--strict")[0] == code
+    assert call(text)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "color"), [(SOUND, "32"), (COMPARED, "33"), (SERVO, "33"), (CAUGHT, "33"), (ALARM, "1;31")]
+)
+def test_only_an_end_without_errors_and_warnings_is_green(call, text, color):
+    out = call(text, "--color", "always")[1]
+    assert out.splitlines()[-1].split("s  ", 1)[1].startswith(f"\x1b[{color}m"), out
+
+
+def test_a_run_that_the_time_limit_has_ended_is_an_error_of_both_formats(call):
+    github = call(HANG, "--format", "github", "--until", "1")
+    assert github[0] == 4
+    assert github[1].startswith("::error file=job.script,line=3,title=not finished::still running at the time limit")
+    (run,) = json.loads(call(HANG, "--format", "sarif", "--until", "1")[1])["runs"]
+    (invocation,) = run["invocations"]
+    (said,) = invocation["toolExecutionNotifications"]
+    assert (invocation["executionSuccessful"], said["level"], run["results"]) == (False, "error", [])
+    assert said["locations"][0]["physicalLocation"]["region"] == {"startLine": 3}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [(SOUND, "finished ("), (SERVO, "finished, 1 warning ("), (CAUGHT, "finished, 1 error ("), (ALARM, "alarm (")],
+)
+def test_the_line_of_plot_counts_findings(call, text, words):
+    assert f"of CS66, {words}" in call(text, "-o", "page.html", command="plot")[1]
+
+
+def test_a_run_says_its_verdict_where_it_is_printed():
+    run = VirtualRobot().run(COMPARED)
+    assert (repr(run), run.verdict) == ("<Run finished, 1 warning, 0.100 s>", "finished, 1 warning")
+    assert not run.is_clean
+    assert VirtualRobot().run(SOUND).is_clean

@@ -6,7 +6,7 @@ from random import Random
 import pytest
 
 from elitescript import PlantConfig, VirtualRobot
-from elitescript.controller.views.trace import Trace, TraceRow
+from elitescript.controller.views.trace import TRACE_COLUMNS, Trace, TraceRow
 from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.controller.views.trace_signals import SignalLevels
 from elitescript.errors import UsageError
@@ -230,3 +230,25 @@ def test_a_long_wait_is_recorded_in_whole():
     run = VirtualRobot("CS66").run(f"sleep({TRACE_TICKS_MAX * 0.004 * 2.5})\n", trace=True)
     assert list(run.trace.times) == [k / 250 for k in range(len(run.trace))]
     assert len(run.trace) > 2 * TRACE_TICKS_MAX
+
+
+class TestColumns:
+    def test_they_are_those_of_the_rows(self):
+        rows = VirtualRobot().run(PROGRAM, trace=True).trace
+        columns = rows.columns()
+        assert list(columns)[:21] == list(TRACE_COLUMNS)
+        assert list(columns)[21:] == ["standard_digital_out[1]"]
+        assert {len(column) for column in columns.values()} == {len(rows)}
+        for number in (0, 17, len(rows) - 1):
+            row = rows[number]
+            got = [columns[name][number] for name in columns]
+            flat = [row.t, row.line, *row.q, *row.qd, *row.tcp_pose, row.state, row.signals["standard_digital_out[1]"]]
+            assert got == flat
+
+    def test_measured_joints_where_there_is_a_plant(self):
+        rows = VirtualRobot(plant=PlantConfig(lag_s=0.02)).run(PROGRAM, trace=True).trace
+        columns = rows.columns()
+        assert [columns[f"qa{joint}"][20] for joint in range(1, 7)] == list(rows[20].q_actual)
+
+    def test_none_without_rows(self):
+        assert set(map(len, TraceRows().columns().values())) == {0}

@@ -48,6 +48,29 @@ def call(folder, name, wall_s=20.0, **arguments):
     return calls(make_server(Folder(folder), wall_s), (name, arguments))[0]
 
 
+@pytest.mark.parametrize(
+    ("text", "state", "codes"),
+    [
+        ("def f():\n  sleep(0.1)\nend\n", "finished", []),
+        (
+            "def f():\n  x = get_standard_digital_in(0) == 'on'\n  n = len([])\n  y = 1 / n\nend\n",
+            "alarm",
+            ["R100", "W240"],
+        ),
+        ("def f():\n  x = = 1\nend\n", "does_not_compile", ["E001"]),
+    ],
+)
+def test_clients_get_the_findings_of_text_and_run_first(folder, text, state, codes):
+    (is_error, found), (_, traced) = (
+        call(folder, "run", text=text),
+        call(folder, "trace", text=text, from_s=0.0, to_s=0.1, step_s=0.1),
+    )
+    assert not is_error
+    assert list(found)[:3] == ["findings", "findings_left_out", "why"]
+    assert (found["state"], [row["code"] for row in found["findings"]]) == (state, codes)
+    assert (traced["findings"], traced["why"]) == (found["findings"], found["why"])
+
+
 def test_every_tool_describes_itself_and_what_it_returns():
     async def run():
         async with Client(make_server(Folder("."), 1.0)) as client:

@@ -288,6 +288,20 @@ class TestFindings:
         (pytester.path / "pytest.ini").write_text(f"[pytest]\nelitescript_findings = {level}\n")
         run(pytester, self.TEXT.replace("{a}", str(a))).assert_outcomes(failed=failed, passed=1 - failed)
 
+    def test_tests_that_pass_with_findings_are_named_and_the_last_line_is_not_green(self, pytester):
+        text = """
+            def test_sound(robot): robot.run('sync()')
+            def test_text(robot): robot.run("a = get_standard_digital_in(0) == 'on'\\nsync()")
+        """
+        result = run(pytester, text, "--junitxml=report.xml")
+        result.stdout.fnmatch_lines(["*elitescript findings*", "*::test_text: 1 warning"])
+        assert "1 passed" not in result.stdout.str()
+        assert "2 passed, 1 with findings" in result.stdout.str()
+        xml = (pytester.path / "report.xml").read_text()
+        assert xml.count('<property name="elitescript_findings" value="1 warning" />') == 1
+        (pytester.path / "pytest.ini").write_text("[pytest]\nelitescript_findings = off\n")
+        assert "with findings" not in run(pytester, text).stdout.str()
+
     def test_the_report_lists_them_and_a_level_that_is_none_is_refused(self, pytester):
         (pytester.path / "pytest.ini").write_text("[pytest]\nelitescript_findings = warning\n")
         servo = "def f():\\n  q = get_actual_joint_positions()\\n  q[0] = q[0] + 0.8\\n  servoj(q, t=0.008)\\nend\\n"

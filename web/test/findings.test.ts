@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { runState } from "../src/app/state.ts";
 import { countsOf, findingsOf } from "../src/model/findings.ts";
 import { began, moment, opened } from "./fake.ts";
 
@@ -25,4 +26,20 @@ test("findings that are left out are counted", () => {
   const one = { severity: "error", code: "E301", text: "a", hint: "", line: 1, column: 1, end_line: 1, end_column: 2 } as const;
   source.say({ type: "problems", version, list: [one], compiles: false, left_out: { error: 4, warning: 2, hint: 1 } });
   assert.deepEqual(countsOf(findingsOf(studio)), { errors: 5, warnings: 2, others: 1 });
+});
+
+test("an end with errors or warnings does not look good; one with notes does", () => {
+  const found = { code: "W280", line: 4, t: 0.1, count: 1, text: "a", hint: "" };
+  for (const [severity, kind, words] of [
+    [null, "good", "finished in 2.0 s"],
+    ["information", "good", "finished in 2.0 s, 1 hint"],
+    ["warning", "warning", "finished in 2.0 s, 1 warning"],
+    ["error", "error", "finished in 2.0 s, 1 error"],
+  ] as const) {
+    const { source, studio } = opened();
+    const version = studio.version.value;
+    source.say({ type: "problems", version, list: [], compiles: true }, began(1, version));
+    source.say({ type: "run_ended", run: 1, state: "finished", moment: moment(2), ...(severity === null ? {} : { findings: [{ ...found, severity }] }) });
+    assert.deepEqual([runState(studio).kind, runState(studio).text], [kind, words]);
+  }
 });

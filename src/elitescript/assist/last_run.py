@@ -38,6 +38,27 @@ class RunAlarm(NamedTuple):
     text: str
 
 
+class RunFinding(NamedTuple):
+    """What the run has found, and `check` does not find in the text."""
+
+    line: int
+    column: int
+    """From 1; 0 if unknown."""
+    severity: str
+    """`error`, `warning` or `note`."""
+    code: str
+    text: str
+    hint: str
+    t: float
+    """Robot time of the first time, s."""
+    times: int
+
+    def __str__(self) -> str:
+        """Say text and time."""
+        times = f"{self.times} times, first " if self.times > 1 else ""
+        return f"{self.text} ({times}at {self.t:.3f} s)"
+
+
 class SameLines(NamedTuple):
     """Which lines of a text are those that ran.
 
@@ -72,6 +93,8 @@ class LastRun:
             of the function.
         blends: radii that were shortened, by line.
         alarms: what stopped it.
+        findings: what it has found.
+        ended: when that was, on the clock of this computer, as text.
     """
 
     text: str
@@ -81,6 +104,8 @@ class LastRun:
     values: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     blends: Mapping[int, ShortenedBlend] = field(default_factory=dict)
     alarms: tuple[RunAlarm, ...] = ()
+    findings: tuple[RunFinding, ...] = ()
+    ended: str = ""
 
     def same_lines(self, rows: Sequence[str]) -> SameLines:
         """Return which lines of the text now are those that ran.

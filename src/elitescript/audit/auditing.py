@@ -16,6 +16,7 @@ from elitescript.audit.motion import Tolerance
 from elitescript.audit.series import edges_of, marks_of, recorded, recorded_signals, runs_of
 from elitescript.audit.settings import MASS, TCP, setter_lines, setting_pairs
 from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
+from elitescript.audit.verdict import findings_of
 from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.errors import UsageError
@@ -30,6 +31,7 @@ from elitescript.untrusted.files import WORLD, text_of
 from elitescript.world_file import closed_world, tables_of, world_text
 
 if TYPE_CHECKING:
+    from elitescript.findings.found import Findings
     from elitescript.models.model import RobotModel
 
 ALL: Final = "all"
@@ -47,6 +49,11 @@ _CALL: Final = re.compile(r"\b([A-Za-z_]\w*)\s*\(")
 @record
 class Audit(AuditFindings):
     """What an audit has found, in words (`str`) and as JSON has it (`json`)."""
+
+    @property
+    def findings(self) -> Findings:
+        """What differs (`source` is `audit`), and what was found in the simulated program and its run, in one list."""
+        return findings_of(self)
 
     def json(self) -> dict[str, Any]:
         """Return the audit as JSON has it; see docs/how-to/audit.md."""

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from elitescript.audit.findings import AuditedRun, AuditFindings
 from elitescript.audit.series import STATE
 from elitescript.audit.simulation import play, started_robot
+from elitescript.audit.verdict import findings_of
 from elitescript.controller.views.trace import TraceRow
 from elitescript.controller.views.trace_signals import SignalLevels
 from elitescript.kinematics.tcp import tcp_poses
@@ -18,6 +19,7 @@ from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.recording import Recording as Plotted
 from elitescript.plotting.sampling import ROWS_MAX, Sampling
 from elitescript.recorder.recording import Recording
+from elitescript.records import replace
 
 
 def audit_page(audit: AuditFindings, title: str) -> Page:
@@ -42,6 +44,9 @@ def audit_page(audit: AuditFindings, title: str) -> Page:
     )
     simulated = recorder.recording(f"{audit.cell.source.name}, simulated", robot, audit.cell.source, made)
     begin_s = simulated.rows[0].t
+    # Of the run itself and of what differs, in the time of the rows; what the text alone shows has no time.
+    found = [its if its.t is None else replace(its, t=begin_s + its.t) for its in findings_of(audit)]
+    simulated = replace(simulated, findings=found)
     rows = rows_of(audit.recording, run, audit, begin_s)
     title += "".join(f", {words}" for words in _cut(run))
     return page_of(simulated, Plotted(title, audit.model, rows, recorded_source(audit)))

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from elitescript.audit.differences import Finding, Largest
 from elitescript.audit.findings import AuditedRun, AuditFindings, Cut
+from elitescript.audit.verdict import SOURCE, findings_of, verdict_of
 from elitescript.json_records.jsonlines import plain
 from elitescript.messages.signals import Value
 from elitescript.shown import shown
@@ -20,6 +21,7 @@ SHOWN: Final = 6
 def audit_in_words(audit: AuditFindings) -> str:
     """Return the audit for people."""
     lines = [*_head(audit), *_arm(audit), *_run(audit.first), *_others(audit), *_fit(audit), *_rest(audit)]
+    lines += _found(audit)
     # Texts of the controller are among them.
     return "\n".join(map(shown, lines))
 
@@ -45,6 +47,8 @@ def audit_as_json(audit: AuditFindings) -> dict[str, Any]:
         "lost": audit.lost,
         "taken": [*audit.taken],
         "not_taken": [*audit.not_taken],
+        "findings": findings_of(audit).records(),
+        "verdict": {"words": verdict_of(audit), **findings_of(audit).counts()},
         "not_compared": [*dict.fromkeys((*first.comparison.notes, *audit.not_compared))],
         **_details(first),
     }
@@ -244,6 +248,17 @@ def _rest(audit: AuditFindings) -> Iterator[str]:
         for note in notes[:SHOWN]:
             yield f"  {note}"
         yield from _left_out(notes[SHOWN:], "further one", "further ones")
+
+
+def _found(audit: AuditFindings) -> Iterator[str]:
+    """Say what was found in the simulated program and its run; last of all the verdict."""
+    found = [finding for finding in findings_of(audit) if finding.source != SOURCE]
+    if found:
+        yield "found in the simulated program and its run:"
+        for finding in found[:SHOWN]:
+            yield f"  {finding}"
+        yield from _left_out(found[SHOWN:], "further finding", "further findings")
+    yield f"verdict: {verdict_of(audit)}"
 
 
 def _left_out(rest: Any, one: str, many: str) -> Iterator[str]:

@@ -58,7 +58,12 @@ def add_run(parser: Parser) -> None:
         metavar="SIZE",
         help="memory that the run may have, such as 8GiB (default %(default)s)",
     )
-    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", writes="trace", help="write a row for every tick")
+    parser.add_argument(
+        "--trace",
+        metavar="OUT.csv|jsonl|parquet",
+        writes="trace",
+        help="write a row for every tick; .parquet needs the extra parquet",
+    )
     parser.add_argument(
         "--step",
         type=float,
@@ -67,6 +72,7 @@ def add_run(parser: Parser) -> None:
     )
     _add_trace_signals(parser)
     _add_log(parser)
+    _add_watch(parser)
     parser.add_argument(
         "--format",
         choices=["text", "json", "github", "sarif"],
@@ -232,6 +238,7 @@ def add_check(parser: Parser) -> None:
     add_options(
         parser, "check", model={"help": "arm that the programs are for, with its limits and its reach (default: any)"}
     )
+    _add_watch(parser)
     parser.add_argument(
         "--format",
         choices=["text", "json", "github", "sarif"],
@@ -511,7 +518,12 @@ def add_replay(parser: Parser) -> None:
     )
     parser.add_argument("file", metavar="FILE", reads="session", help="the journal")
     _add_until(parser, "stop after so much robot time")
-    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", writes="trace", help="write a row for every tick")
+    parser.add_argument(
+        "--trace",
+        metavar="OUT.csv|jsonl|parquet",
+        writes="trace",
+        help="write a row for every tick; .parquet needs the extra parquet",
+    )
     _add_trace_signals(parser)
     _add_log(parser)
     _add_color(parser)
@@ -865,6 +877,15 @@ def _add_read_ports(parser: Parser) -> None:
 
 def _add_until(parser: Parser, text: str = "stop after so much virtual time") -> None:
     parser.add_argument("--until", type=float, metavar="SECONDS", help=text)
+
+
+def _add_watch(parser: Parser) -> None:
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="do it again whenever a file has changed: the program, what it names in its task folder, world file, arm "
+        "file; Ctrl-C ends it",
+    )
 
 
 def _add_case(parser: Parser) -> None:

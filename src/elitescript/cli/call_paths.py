@@ -13,7 +13,7 @@ from typing import Any, Final
 from elitescript.errors import ElitescriptError, ScriptError, UsageError
 from elitescript.outputs.call_paths import FILE, NEW, ORDINARY, PAGE, REWRITTEN, Read, Written, check_paths
 from elitescript.outputs.writing import Output
-from elitescript.paths import real_path, stream_of
+from elitescript.paths import is_program_name, real_path, stream_of
 from elitescript.untrusted.files import PROGRAM, read_text
 
 TYPE_CHECKING = False
@@ -56,6 +56,27 @@ def outputs_of(options: argparse.Namespace) -> Iterator[None]:
     finally:
         for output in held.values():
             output.drop()
+
+
+def files_read(options: argparse.Namespace) -> dict[Path, bool]:
+    """Return the files that a call reads, as far as they are known, each with whether the call may write it too."""
+    arguments: dict[str, PathArgument] = options.paths
+    is_rewriting = any(row.writes == "programs" and getattr(options, name) for name, row in arguments.items())
+    found: dict[Path, bool] = {}
+    for read in _reads(options, arguments, ""):
+        path = Path(read.path)
+        if path.is_dir():
+            from elitescript.cli.program_texts import program_paths
+
+            found.update(dict.fromkeys(program_paths(path, options.command), is_rewriting))
+        elif stream_of(read.path) is None:
+            found[path] = is_rewriting and read.noun == A_PROGRAM
+    for path in [path for path in found if is_program_name(path.name)]:
+        folder = Path(getattr(options, "task_dir", None) or real_path(path).parent)
+        with suppress(ElitescriptError, OSError, ValueError):
+            # Programs may write what they name.
+            found.update({folder / name: True for name in _files_named_in(read_text(path, PROGRAM), path.name)})
+    return found
 
 
 def _reads(options: argparse.Namespace, arguments: dict[str, PathArgument], left_out: str) -> Iterator[Read]:
@@ -104,6 +125,8 @@ def _files_named_in(text: str, name: str) -> Iterator[str]:
 
 
 # ---------------------------------------------------------------- what is read
+
+A_PROGRAM: Final = "a program"
 
 _Reads = Callable[[str, str], Iterator[Read]]
 
@@ -191,7 +214,7 @@ def _password(value: str, flag: str) -> Iterator[Read]:
 
 def _programs(value: str, flag: str) -> Iterator[Read]:
     if value != "-":
-        yield Read(value, f"{flag} {value}", "a program")
+        yield Read(value, f"{flag} {value}", A_PROGRAM)
 
 
 READS: Final[dict[str, _Reads]] = {

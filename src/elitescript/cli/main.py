@@ -34,6 +34,9 @@ _NO_MEMORY = "there is not enough memory"
 _RUNNING = ("run", "plot", "serve", "replay", "sweep", "audit", "shadow")
 """Commands that run programs."""
 
+_WATCHING = ("run", "check")
+"""Commands that have `--watch`."""
+
 _CLEANS_UP = ("run", "plot", "sweep")
 """Commands that have something to do when SIGTERM or SIGHUP ends them, and are not kept from it by a program: another
 process watches it."""
@@ -81,6 +84,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(arguments: list[str], *, is_process: bool = False) -> int:
     try:
+        if arguments[:1] and arguments[0] in _WATCHING and any(word.startswith("--wa") for word in arguments):
+            options = _parsed(arguments)
+            if options.watch:
+                return _watch(options, arguments, is_process=is_process)
         if is_process and arguments[:1] and arguments[0] in _RUNNING and _needs_another_process(arguments):
             return _run_again(arguments)
         return _run_here(arguments, is_process=is_process)
@@ -250,8 +257,20 @@ def _names_max_wall(arguments: list[str]) -> bool:
     return any(argument.startswith("--max-w") for argument in arguments)
 
 
-def _run_again(arguments: list[str]) -> int:
-    """Run the same call in a process with a fixed hash seed; programs in one that is watched."""
+def _watch(options: argparse.Namespace, arguments: list[str], *, is_process: bool) -> int:
+    """Run a call each time that its files have changed."""
+    from elitescript.cli.watching import watch
+    from elitescript.errors import ElitescriptError
+
+    try:
+        return watch(options, *_again(arguments), is_process=is_process)
+    except ElitescriptError as error:
+        _say(arguments, str(error))
+        return USAGE
+
+
+def _again(arguments: list[str]) -> tuple[list[str], dict[str, str]]:
+    """Return what starts the same call in a process with a fixed hash seed: its command and environment."""
     # -P: a file called queue.py beside the program must not stand in for the standard library's.
     command = [sys.executable, "-P", "-m", "elitescript", *arguments]
     environment = {**os.environ, "PYTHONHASHSEED": HASH_SEED}
@@ -259,6 +278,12 @@ def _run_again(arguments: list[str]) -> int:
     if "site-packages" not in home:
         # Not installed: with -P, a working copy is found through this path alone.
         environment["PYTHONPATH"] = os.pathsep.join(filter(None, (os.environ.get("PYTHONPATH"), home)))
+    return command, environment
+
+
+def _run_again(arguments: list[str]) -> int:
+    """Run the same call in a process with a fixed hash seed; programs in one that is watched."""
+    command, environment = _again(arguments)
     if _is_watched(arguments):
         max_wall_s = None
         if _names_max_wall(arguments):

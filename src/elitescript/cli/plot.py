@@ -16,6 +16,7 @@ from elitescript.environment.network_option import COMMAND_LINE
 from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import parse_settings
 from elitescript.errors import ProgramError, UsageError
+from elitescript.findings.found import Findings
 from elitescript.kernel.options import DEFAULTS, OPTIONS, UNTIL, accepted
 from elitescript.lint.engine import compile_checked
 from elitescript.messages.timing import PERIOD_S
@@ -97,12 +98,13 @@ def _write(output: Output, recording: Recording, compared: Recording | None = No
 
 
 def _in_words(recording: Recording) -> str:
-    """Return duration, arm and end of a run."""
+    """Return duration, arm and end of a run, and how much was found."""
     duration_s = recording.rows[-1].t - recording.rows[0].t
     ending = {"time_limit": f", cut off at {duration_s:g} s (--until)", "": ""}.get(
         recording.state, f", {recording.state}"
     )
-    return f"{duration_s:.3f} s of {recording.model.name}{ending}"
+    counted = Findings(recording.findings).without_alarms.words
+    return f"{duration_s:.3f} s of {recording.model.name}{ending}{f', {counted}' if counted else ''}"
 
 
 def _options_of_compared(path: Path, options: argparse.Namespace) -> argparse.Namespace:
@@ -159,7 +161,8 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
         recorder.watch(robot)
 
     run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=recorder.sampling, watch=watch)
-    return recorder.recording(path.name, robot, source, run, checked.problems), EXIT_CODES[run.state]
+    code = run.exit_code(is_strict=robot.options.strict)
+    return recorder.recording(path.name, robot, source, run, checked.problems), code
 
 
 def _print_problems(path: Path, error: ProgramError) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -60,14 +60,26 @@ def program_texts(names: Iterable[str], command: str) -> Iterator[ProgramText]:
             yield from _read(path, seen, is_named=True)
             continue
         found = False
-        for home, folders, files in os.walk(path, onerror=refuse):
-            folders[:] = sorted(name for name in folders if not name.startswith("."))
-            for file in sorted(files):
-                if is_program_name(file) or (command == "check" and is_task_name(file)):
-                    found = True
-                    yield from _read(Path(home, file), seen, is_named=False)
+        for program in program_paths(path, command, refuse):
+            found = True
+            yield from _read(program, seen, is_named=False)
         if not found:
             yield ProgramText(name, path, None, f"no *{PROGRAM_SUFFIX} file in this folder", True)
+
+
+def program_paths(folder: Path, command: str, on_error: Callable[[OSError], None] | None = None) -> Iterator[Path]:
+    """Yield what a command reads in a folder and in those within it, by name.
+
+    Args:
+        folder: of the command line.
+        command: `check` reads task files too.
+        on_error: gets a folder that cannot be read.
+    """
+    for home, folders, files in os.walk(folder, onerror=on_error):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        for file in sorted(files):
+            if is_program_name(file) or (command == "check" and is_task_name(file)):
+                yield Path(home, file)
 
 
 def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[ProgramText]:

@@ -28,7 +28,7 @@ from elitescript.language.parser import parse
 from elitescript.messages.events import DeviceNoted
 from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
-from elitescript.run import EXIT_CODES, Run
+from elitescript.run import EXIT_CODES
 from elitescript.shown import shown
 
 TYPE_CHECKING = False
@@ -131,15 +131,9 @@ def _run(options: argparse.Namespace, report: RunReport) -> int:
                     raise
                 print(f"elitescript run: {shown(str(error))}", file=sys.stderr)
                 return FAILED
-    spoilt = robot.options.strict and _is_spoilt(result)
-    overruns = None if pace is None else pace.overruns
-    report.end(result, is_interrupted=bool(interrupted.number), overruns=overruns, is_spoilt=spoilt)
-    return interrupted.exit_code or EXIT_CODES[result.state] or (FAILED if spoilt else 0)
-
-
-def _is_spoilt(run: Run) -> bool:
-    """Return whether a run has finished, with warnings of its own."""
-    return run.state == "finished" and run.has_findings and not run.findings.of_run.is_clean
+    overruns, strict = None if pace is None else pace.overruns, robot.options.strict
+    report.end(result, is_interrupted=bool(interrupted.number), overruns=overruns, is_strict=strict)
+    return interrupted.exit_code or result.exit_code(is_strict=strict)
 
 
 def _run_case(options: argparse.Namespace, report: RunReport) -> int:

@@ -13,13 +13,18 @@ from elitescript.audit.simulation import Cell, cell_of
 from elitescript.audit.words import cut_as_json
 from elitescript.cli.audit import AGREES, DIFFERS, USAGE, given_program, parse_tolerance, print_problems
 from elitescript.cli.listening import check_fetching, check_host, check_positive, chosen_ports, ended, fetched
-from elitescript.cli.output.screen import palette_of
+from elitescript.cli.output.screen import palette_of, rendered
 from elitescript.cli.robot_options import options_from
 from elitescript.errors import ProgramError, UsageError
+from elitescript.findings.found import Findings, finding_of_text, in_order
+from elitescript.json_records.jsonlines import line as line_of
+from elitescript.language.diagnostics import to_json
 from elitescript.language.text.source import SourceFile
+from elitescript.lint.engine import check_source
 from elitescript.messages.state import Payload
 from elitescript.recorder.live import LiveSink
 from elitescript.recorder.session import Session, Target
+from elitescript.robot import VirtualRobot
 from elitescript.shown import shown
 
 TYPE_CHECKING = False
@@ -40,11 +45,13 @@ def shadow(options: argparse.Namespace) -> int:
     tolerance, payload = parse_tolerance(options.tolerance), _payload(options.payload)
     ports = chosen_ports("shadow", options)
     cell = _cell(options, given, ports)
+    robot = cell.robot()
     try:
-        cell.robot().compile(cell.source)
+        robot.compile(cell.source)
     except ProgramError as error:
         print_problems("shadow", options.program, error)
         return USAGE
+    of_text = _say_problems(cell.source, robot, is_json=options.json)
     palette = palette_of(sys.stdout)
 
     def say(said: Said) -> None:
@@ -62,13 +69,30 @@ def shadow(options: argparse.Namespace) -> int:
     runs, found = follower.runs, follower.differences
     if options.json:
         data = {"complete": follower.ends is None, "ends": cut_as_json(follower.ends)}
-        print(json.dumps({"type": "summary", "runs": runs, "differences": found, **data}), flush=True)
+        print(
+            json.dumps({"type": "summary", "runs": runs, "differences": found, **data, "findings": of_text.counts()}),
+            flush=True,
+        )
     else:
         words = f"{found} difference{'s' if found != 1 else ''}" if found else "no difference"
         if (cut := follower.ends) is not None:
             words += f"; run {cut.run} goes on, followed until {cut.t:.3f} s, line {cut.line}"
+        if of_text:
+            words += f"; in the text {of_text.words}"
         print(f"{runs} run{'s' if runs != 1 else ''}: {words}", flush=True)
     return DIFFERS if found else AGREES
+
+
+def _say_problems(source: SourceFile, robot: VirtualRobot, *, is_json: bool) -> Findings:
+    """Print what `check` finds in the text, as `run` does; return it."""
+    options = robot.options
+    problems = check_source(source, robot.profile, strict=options.strict, arm=robot.model, ignored=options.ignored)
+    for problem in problems:
+        if is_json:
+            print(line_of(to_json(problem)), flush=True)
+        else:
+            print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)
+    return in_order(map(finding_of_text, problems))
 
 
 async def _follow(session: Session, sink: LiveSink, follower: Shadow, for_s: float | None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, dataclass_transform
 
 from elitescript.devices.doubts import Doubt
 from elitescript.devices.signals import RobotSignals, SignalHub
@@ -105,11 +105,29 @@ class DeviceContext:
             self.signals.robot.emit(Warned(self.agenda.tick, doubt.text, "", 0, code, doubt.hint, 0, doubt.severity))
 
 
-class Device:
+@dataclass_transform(kw_only_default=True)
+class _WithSettings:
+    """Takes the settings of a subclass as keywords: type checkers know one for each of its annotated attributes."""
+
+    def __init__(self, **settings: Any) -> None:
+        known = setting_names(type(self))
+        for key, value in settings.items():
+            if key not in known:
+                near = did_you_mean(str(key), known)
+                raise UsageError(f"{key}: is not known; settings are {', '.join(known)}{near}")
+            setattr(self, key, value)
+        self.check()
+
+    def check(self) -> None:
+        """Check the settings."""
+
+
+class Device(_WithSettings):
     """Something beside the robot; the base class of all devices.
 
     A setting is a public attribute of the class. A subclass may give it another value, and so may a keyword, as in
-    `Camera(port=5001)`, or a key of a world file, as in `port = 5001`. A subclass may have settings of its own.
+    `Camera(port=5001)`, or a key of a world file, as in `port = 5001`. A subclass may have settings of its own. Type
+    checkers know the keywords of attributes that have an annotation.
 
     Attributes:
         name: for messages; the name of the class if empty. A setting, like those of the subclasses.
@@ -125,7 +143,7 @@ class Device:
 
         >>> from elitescript.testing.world import Device, World
         >>> class Button(Device):
-        ...     input = "standard_digital_in[0]"
+        ...     input: str = "standard_digital_in[0]"
         ...     def started(self):
         ...         self.every(10.0, self.press)
         ...     def press(self):
@@ -134,24 +152,23 @@ class Device:
     """
 
     name: str = ""
-    cell: RobotSignals
-    protocol: str = ""
-    acts_as: str = "device"
-    _kept: tuple[str, ...] = ("cell", "protocol", "acts_as")
+    protocol: ClassVar[str] = ""
+    acts_as: ClassVar[str] = "device"
+    _kept: ClassVar[tuple[str, ...]] = ("cell", "protocol", "acts_as")
     """Public attributes that are no settings."""
     _context: DeviceContext | None = None
     _random: Random | None = None
     _is_gone: bool = False
     _has_missed: bool = False
 
-    def __init__(self, **settings: Any) -> None:
-        known = setting_names(type(self))
-        for key, value in settings.items():
-            if key not in known:
-                near = did_you_mean(str(key), known)
-                raise UsageError(f"{key}: is not known; settings are {', '.join(known)}{near}")
-            setattr(self, key, value)
-        self.check()
+    if TYPE_CHECKING:
+        # No setting, so it is no annotated attribute.
+
+        @property
+        def cell(self) -> RobotSignals: ...
+
+        @cell.setter
+        def cell(self, cell: RobotSignals) -> None: ...
 
     # ---------------------------------------------------------------- what a subclass may override
 
@@ -322,7 +339,7 @@ class Device:
         self._is_gone = True
 
 
-def setting_names(device_class: type[Device]) -> list[str]:
+def setting_names(device_class: type[_WithSettings]) -> list[str]:
     """Return names of the settings of a class, in the order in which they were written."""
     import inspect
 

@@ -137,7 +137,12 @@ class Found:
                 rows[at] = replace(rows[at], t=found.t, count=found.count, thread=found.thread)
             else:
                 rows[at] = replace(rows[at], count=rows[at].count + found.count)
-        return Findings(sorted(rows, key=_place))
+        return in_order(rows)
+
+
+def in_order(rows: Iterable[Finding]) -> Findings:
+    """Return findings in one list: the worst first, then by line."""
+    return Findings(sorted(rows, key=_place))
 
 
 def _place(found: Finding) -> tuple[int, int, int, float]:

@@ -8,7 +8,9 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
+from collections.abc import Callable
 from contextlib import suppress
+from datetime import datetime
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -26,6 +28,7 @@ from elitescript.lsp.settings import ClientSettings
 from elitescript.lsp.texts import path_of
 from elitescript.outputs.writing import write_file
 from elitescript.paths import is_program_name
+from elitescript.records import replace
 from elitescript.untrusted.json_text import json_value
 
 QUIET_S: Final = 1.0
@@ -50,10 +53,16 @@ _REFRESHED: Final = {
 
 
 class BackgroundRuns:
-    """Decides when which text is run; what came of it is in `Session.last_runs`."""
+    """Decides when which text is run; what came of it is in `Session.last_runs`.
 
-    def __init__(self, session: Session) -> None:
+    Args:
+        session: of the client.
+        on_end: is called with the URI of a text whose run has ended.
+    """
+
+    def __init__(self, session: Session, on_end: Callable[[str], None]) -> None:
         self._session = session
+        self._on_end = on_end
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._running: dict[str, asyncio.Task[Any]] = {}
         self._one_at_a_time = asyncio.Semaphore(1)
@@ -126,10 +135,12 @@ class BackgroundRuns:
             self._keep(uri, outcome.last)
 
     def _keep(self, uri: str, last: LastRun) -> None:
-        self._session.last_runs[uri] = last
+        ended = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M:%S")
+        self._session.last_runs[uri] = replace(last, ended=ended)
         for method, capability in _REFRESHED.items():
             if self._session.client.has(capability):
                 self._session.refresh(method)
+        self._on_end(uri)
 
     # ---------------------------------------------------------------- on request
 

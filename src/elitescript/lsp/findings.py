@@ -1,8 +1,14 @@
-"""Sends the findings of texts: when the client asks, or by itself to clients that do not ask."""
+"""Sends the findings of texts: when the client asks, or by itself to clients that do not ask.
+
+Of an open text that the server has run, in the background or on request, they are those of `check` and, marked as
+such, those of that last run: until it has run again. When the text has changed since, what stands in lines that did not
+change is shown as of an earlier text.
+"""
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterator
 from hashlib import blake2b
 from time import perf_counter
 from typing import Final
@@ -11,6 +17,7 @@ from lsprotocol import types
 
 from elitescript.assist.diagnostics import Problem, diagnostics
 from elitescript.assist.document import Document
+from elitescript.assist.last_run import LastRun
 from elitescript.language.diagnostics import Severity
 from elitescript.lint.program import Span
 from elitescript.lsp.feature import TAGS, Feature
@@ -19,6 +26,9 @@ from elitescript.lsp.session import Session
 
 SOURCE: Final = "elitescript"
 """Name of the tool beside each finding."""
+
+RUN_SOURCE: Final = "elitescript run"
+"""The same of what the last run has found."""
 
 PAUSE_S: Final = 0.05
 """Least time without a change before the findings of a changed text are looked for, s."""
@@ -64,6 +74,30 @@ def shown(problem: Problem, positions: Positions, uri: str, *, has_related: bool
     )
 
 
+def of_last_run(last: LastRun, positions: Positions) -> Iterator[types.Diagnostic]:
+    """Yield what the last run of a text has found, as the protocol has it; lines that have changed since have none."""
+    document = positions.document
+    is_same = last.text == document.text
+    same = last.same_lines(document.source.lines)
+    now_by_ran = {same.ran(line): line for line in range(1, document.line_count + 1)}
+    when = f"last run, {last.ended}" if is_same else f"last run, {last.ended}, of an earlier text"
+    for found in last.findings:
+        # What no line has caused is shown in the first one.
+        line = now_by_ran.get(found.line) if found.line else 1
+        if line is None:
+            continue
+        text = document.line(line)
+        begin = found.column or len(text) - len(text.lstrip()) + 1
+        hint = f"\nhint: {found.hint}" if found.hint else ""
+        yield types.Diagnostic(
+            positions.range(Span(line, begin, line, max(begin, len(text.rstrip())) + 1)),
+            f"{when}: {found}{hint}",
+            severity=_SEVERITIES[Severity(found.severity)] if is_same else types.DiagnosticSeverity.Information,
+            code=found.code or None,
+            source=RUN_SOURCE,
+        )
+
+
 class Findings:
     """Pushes findings, after a pause in the typing; see the module."""
 
@@ -100,6 +134,12 @@ class Findings:
         for uri in list(self._timers):
             self.forget(uri)
 
+    def renew_of(self, uri: str) -> None:
+        """Say the findings of one text again: it has run."""
+        if self._session.client.has("workspace.diagnostics.refresh_support"):
+            self._session.refresh(types.WORKSPACE_DIAGNOSTIC_REFRESH)
+        self.text_changed(uri, is_new=True)
+
     def renew(self) -> None:
         """Look for the findings of all open texts again, since settings have changed."""
         if self._session.client.has("workspace.diagnostics.refresh_support"):
@@ -118,7 +158,7 @@ class Findings:
         if self._session.texts.open.get(uri) is not document:
             return
         twin = self._session.twin(document)
-        found = await self._session.in_thread(findings_of, self._session, uri, twin)
+        found = await self._session.in_thread(findings_of, self._session, uri, twin, self._session.last_run(uri))
         self._last_s = perf_counter() - started_s
         if self._session.texts.open.get(uri) is document:
             self._session.text_document_publish_diagnostics(
@@ -126,26 +166,29 @@ class Findings:
             )
 
 
-def findings_of(session: Session, uri: str, document: Document) -> list[types.Diagnostic]:
-    """Return the findings of a text; slow."""
+def findings_of(session: Session, uri: str, document: Document, last: LastRun | None = None) -> list[types.Diagnostic]:
+    """Return the findings of a text and of its last run; slow."""
     has_related = any(map(session.client.has, _RELATED))
     positions = session.positions(document)
-    return [shown(problem, positions, uri, has_related=has_related) for problem in diagnostics(document)]
+    found = [shown(problem, positions, uri, has_related=has_related) for problem in diagnostics(document)]
+    return found if last is None else [*found, *of_last_run(last, positions)]
 
 
-def result_id(document: Document, generation: int) -> str:
+def result_id(document: Document, generation: int, last: LastRun | None = None) -> str:
     """Return a text that is the same as long as the findings are."""
-    digest = blake2b(document.text.encode("utf-8", "surrogatepass"), digest_size=12).hexdigest()
+    known = document.text if last is None or not last.findings else f"{document.text}\0{last.ended}{last.findings}"
+    digest = blake2b(known.encode("utf-8", "surrogatepass"), digest_size=12).hexdigest()
     return f"{generation}.{digest}"
 
 
 async def _document_diagnostic(
     session: Session, document: Document, params: types.DocumentDiagnosticParams
 ) -> types.DocumentDiagnosticReport:
-    number = result_id(document, session.texts.generation)
+    last = session.last_run(params.text_document.uri)
+    number = result_id(document, session.texts.generation, last)
     if number == params.previous_result_id:
         return types.RelatedUnchangedDocumentDiagnosticReport(number)
-    found = await session.in_thread(findings_of, session, params.text_document.uri, session.twin(document))
+    found = await session.in_thread(findings_of, session, params.text_document.uri, session.twin(document), last)
     return types.RelatedFullDocumentDiagnosticReport(found, result_id=number)
 
 
@@ -155,16 +198,18 @@ async def _workspace_diagnostic(
     known = {previous.uri: previous.value for previous in params.previous_result_ids}
     generation = session.texts.generation
     opened = session.twins()
+    last_runs = dict(session.last_runs)
 
     def look() -> list[tuple[str, Document]]:
         return list(session.all_texts(opened))
 
     def report(uri: str, text: Document) -> types.WorkspaceDocumentDiagnosticReport:
-        number = result_id(text, generation)
+        last = last_runs.get(uri)
+        number = result_id(text, generation, last)
         version = text.version if uri in opened else None
         if known.get(uri) == number:
             return types.WorkspaceUnchangedDocumentDiagnosticReport(uri, number, version)
-        found = findings_of(session, uri, text)
+        found = findings_of(session, uri, text, last)
         return types.WorkspaceFullDocumentDiagnosticReport(uri, found, version, result_id=number)
 
     reports: list[types.WorkspaceDocumentDiagnosticReport] = []

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Final
 
-from elitescript.assist.last_run import LastRun, LineTime, RunAlarm, ShortenedBlend
+from elitescript.assist.last_run import LastRun, LineTime, RunAlarm, RunFinding, ShortenedBlend
 from elitescript.assist.units import value_text
 from elitescript.debugger.values import shown
 from elitescript.messages.events import Warned
@@ -14,6 +14,8 @@ from elitescript.plotting.events import timed_moves
 from elitescript.plotting.line_times import LineStretch
 from elitescript.run import Run
 
+FINDINGS_MAX: Final = 100
+"""Findings of a run that editors show."""
 _SHORT: Final = 10
 _BITS: Final = 64
 _ROOM: Final = 60
@@ -62,7 +64,16 @@ def last_run_of(
         values={**values, "": {**values.get("", {}), **known}},
         blends=blends,
         alarms=tuple(RunAlarm(alarm.line, alarm.code, alarm.text) for alarm in run.alarms),
+        findings=tuple(_findings(run)),
     )
+
+
+def _findings(run: Run) -> Iterator[RunFinding]:
+    """Yield what the run has found, the worst first; what `check` finds too has a row of its own in editors."""
+    for found in run.findings[:FINDINGS_MAX]:
+        if found.t is not None and found.source != "check":
+            rest = (found.code, str(found.text), str(found.hint), found.t, found.count)
+            yield RunFinding(found.line, found.column, found.severity, *rest)
 
 
 def _text_of(value: Any) -> str:

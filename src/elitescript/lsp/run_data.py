@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from elitescript.assist.last_run import LastRun, LineTime, RunAlarm, ShortenedBlend
+from elitescript.assist.last_run import LastRun, LineTime, RunAlarm, RunFinding, ShortenedBlend
 from elitescript.records import NamedTuple
 
 
@@ -33,6 +33,7 @@ def encoded(last: LastRun) -> dict[str, Any]:
         "values": {scope: dict(values) for scope, values in last.values.items()},
         "blends": list(last.blends.items()),
         "alarms": list(last.alarms),
+        "findings": list(last.findings),
     }
 
 
@@ -46,4 +47,5 @@ def decoded(data: Mapping[str, Any]) -> LastRun:
         data["values"],
         {line: ShortenedBlend(*blend) for line, blend in data["blends"]},
         tuple(RunAlarm(*alarm) for alarm in data["alarms"]),
+        tuple(RunFinding(*found) for found in data["findings"]),
     )

@@ -46,8 +46,8 @@ class Server(Session):
 
     def __init__(self) -> None:
         super().__init__()
-        self.runs = BackgroundRuns(self)
         self._findings = Findings(self)
+        self.runs = BackgroundRuns(self, self._findings.renew_of)
         self._wrong: list[str] = []
         """What is wrong with the settings of `initialize`."""
         connection = self.connection

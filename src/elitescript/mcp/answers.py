@@ -22,6 +22,28 @@ class Problem(TypedDict):
     """Title of a repair that `elitescript check --fix` makes."""
 
 
+class Found(TypedDict):
+    """A finding of text and run, as `--json` of `check` and `run` has it."""
+
+    code: str
+    severity: str
+    """`error`, `warning` or `note`; a note is what a sound program may have too."""
+    line: int
+    column: int
+    text: str
+    hint: str
+    t: float | None
+    """Robot time of the first time, s; null if the text shows it."""
+    count: int
+    thread: str
+    source: str
+    """`check` (the text), `run`, `device`, `contact`, `limit` or `end`."""
+    template: NotRequired[str]
+    values: NotRequired[dict[str, Any]]
+    hint_template: NotRequired[str]
+    hint_values: NotRequired[dict[str, Any]]
+
+
 class Findings(TypedDict):
     """What the check finds."""
 
@@ -53,6 +75,11 @@ class Thread(TypedDict):
 class Outcome(TypedDict):
     """How a run ended and what it did; times in s of robot time, angles in rad, lengths in m."""
 
+    findings: list[Found]
+    """What text and run have found, the worst first: empty only if nothing was found."""
+    findings_left_out: int
+    why: str | None
+    """Why the run did not finish; null if it did, and if nothing was run."""
     check: Findings
     state: str
     """`finished`, `alarm`, `stopped`, `time_limit`, `stuck` or `does_not_compile`."""

@@ -13,6 +13,7 @@ from elitescript.debugger.values import more, shown
 from elitescript.devices.world import World
 from elitescript.environment.start_values import check_presets, sorted_settings
 from elitescript.errors import UsageError
+from elitescript.findings.found import Findings, finding_of_text, in_order
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
 from elitescript.kernel.options import UNTIL, accepted
@@ -145,7 +146,8 @@ def _run(request: Mapping[str, Any], window: tuple[float, float, float] | None) 
     checked = _checked(request, robot, presets)
     found = {"check": _findings(checked)}
     if checked.unit is None or checked.is_refused:
-        return {"state": "does_not_compile", "time_s": 0.0, **found}
+        of_text = in_order(map(finding_of_text, checked.problems))
+        return _listed(of_text) | {"why": None, "state": "does_not_compile", "time_s": 0.0, **found}
     rows: dict[str, Any] = {}
     if window is not None:
         begin, end, step = window
@@ -174,11 +176,13 @@ def _run(request: Mapping[str, Any], window: tuple[float, float, float] | None) 
 
 def _verdict(run: Run) -> dict[str, Any]:
     """Return what text and run have found, the worst first, and why the run did not finish."""
-    findings = run.findings
+    return _listed(run.findings) | {"why": None if run.why is None else _short_value(run.why)}
+
+
+def _listed(findings: Findings) -> dict[str, Any]:
     return {
         "findings": [_short(record) for record in findings.records()[:FINDINGS_MAX]],
         "findings_left_out": max(0, len(findings) - FINDINGS_MAX),
-        "why": None if run.why is None else _short_value(run.why),
     }
 
 

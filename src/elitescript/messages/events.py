@@ -1,21 +1,43 @@
 """Events of a robot, in the order in which they happened; each carries its tick.
 
-Two runs with the same events did the same.
+Two runs with the same events did the same. All have `tick`, `t` (s) and `line` (0 if no line has caused it).
 """
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import MotionRequest, TrackCircular, TrackLinear
 from elitescript.messages.signals import Value, point_names
+from elitescript.messages.timing import seconds
 from elitescript.messages.yielding import YieldRequest
 from elitescript.records import field, record
 
 
+class Happened:
+    """What all events have in common."""
+
+    __slots__ = ()
+
+    if TYPE_CHECKING:
+        # Of each event, as a field; nothing is written on this class.
+        @property
+        def tick(self) -> int: ...
+
+    @property
+    def t(self) -> float:
+        """Robot time, s, as `--json` has it."""
+        return seconds(self.tick)
+
+    @property
+    def line(self) -> int:
+        """Line of the program; 0 if none has caused it."""
+        return 0
+
+
 @record
-class TextMessage:
+class TextMessage(Happened):
     """`textmsg`: a line for the robot's log."""
 
     tick: int
@@ -27,7 +49,7 @@ class TextMessage:
 
 
 @record
-class Printed:
+class Printed(Happened):
     """`print`: text for the task log and the terminal."""
 
     tick: int
@@ -37,7 +59,7 @@ class Printed:
 
 
 @record
-class Popup:
+class Popup(Happened):
     """A message window."""
 
     tick: int
@@ -76,7 +98,7 @@ SOURCES: Final = {
 
 
 @record
-class Warned:
+class Warned(Happened):
     """A warning: the program goes on, but not as it asked."""
 
     tick: int
@@ -109,7 +131,7 @@ class Warned:
 
 
 @record
-class DeviceNoted:
+class DeviceNoted(Happened):
     """A virtual device beside the robot, or a fault, has reported something."""
 
     tick: int
@@ -121,7 +143,7 @@ class DeviceNoted:
 
 
 @record
-class Alarm:
+class Alarm(Happened):
     """An error that stopped the program."""
 
     tick: int
@@ -141,7 +163,7 @@ class Alarm:
 
 
 @record
-class SignalChanged:
+class SignalChanged(Happened):
     """A point of the signal image has a new value."""
 
     tick: int
@@ -159,7 +181,7 @@ class SignalChanged:
 
 
 @record
-class ChannelActivity:
+class ChannelActivity(Happened):
     """A connection to the outside was opened or closed, or carried data.
 
     MODBUS TCP signals have an entry when their value or their error changes, not for each request. At most 100 entries
@@ -186,7 +208,7 @@ class ChannelActivity:
 
 
 @record
-class MotionStarted:
+class MotionStarted(Happened):
     """The arm begins a motion: at once, at the begin of a blend, or when it has come to rest before.
 
     A line of a `movep` chain that runs already has this event when it is accepted.
@@ -203,7 +225,7 @@ class MotionStarted:
 
 
 @record
-class MotionEnded:
+class MotionEnded(Happened):
     """A motion has ended: at its target, by a stop, or because another motion has taken over.
 
     A move that ends because the next one is blended with it is complete.
@@ -215,7 +237,7 @@ class MotionEnded:
 
 
 @record
-class TrackingStarted:
+class TrackingStarted(Happened):
     """The arm follows a conveyor, besides its moves."""
 
     tick: int
@@ -226,14 +248,14 @@ class TrackingStarted:
 
 
 @record
-class TrackingEnded:
+class TrackingEnded(Happened):
     """The arm no longer follows a conveyor, and comes to rest."""
 
     tick: int
 
 
 @record
-class TaskStateChanged:
+class TaskStateChanged(Happened):
     """A program started, paused, went on or ended."""
 
     tick: int
@@ -248,7 +270,7 @@ class TaskStateChanged:
 
 
 @record
-class TaskLoaded:
+class TaskLoaded(Happened):
     """A task of the task folder was loaded, to be played next."""
 
     tick: int
@@ -257,7 +279,7 @@ class TaskLoaded:
 
 
 @record
-class RobotModeChanged:
+class RobotModeChanged(Happened):
     """Power or brakes changed."""
 
     tick: int
@@ -266,7 +288,7 @@ class RobotModeChanged:
 
 
 @record
-class SafetyModeChanged:
+class SafetyModeChanged(Happened):
     """The safety system went into another mode."""
 
     tick: int
@@ -277,7 +299,7 @@ class SafetyModeChanged:
 
 
 @record
-class LineMarked:
+class LineMarked(Happened):
     """A `$ LINE` mark was passed."""
 
     tick: int
@@ -288,7 +310,7 @@ class LineMarked:
 
 
 @record
-class YieldingChanged:
+class YieldingChanged(Happened):
     """Force mode or hand guiding began, changed or is asked to end; the end of a program ends both without event."""
 
     tick: int

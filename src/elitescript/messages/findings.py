@@ -36,7 +36,7 @@ class Finding:
     """Name of the thread of the first time; empty if there is none."""
     source: str = "run"
     """What has found it: `check` (the text), `run`, `device` (beside the robot), `contact`, `limit` (joint and safety
-    limits) or `end` (of the program)."""
+    limits) or `end` (of the program); in an audit `audit` (a difference)."""
 
     def __str__(self) -> str:
         """Place, severity, code and text in one line."""

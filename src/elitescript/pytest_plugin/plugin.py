@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Generator, Iterator
+from collections.abc import Collection, Generator, Iterator
 from contextlib import suppress
 from fnmatch import fnmatch
 from pathlib import Path
@@ -19,9 +19,11 @@ from _pytest._code.code import ExceptionRepr, TerminalRepr
 from elitescript.observer import OBSERVATION
 from elitescript.paths import is_program_name, real_path
 from elitescript.pytest_plugin.file_names import holds_tests, is_case
-from elitescript.pytest_plugin.watching import RunWatcher
+from elitescript.pytest_plugin.watching import RunWatcher, WatchedRun
 
 if TYPE_CHECKING:
+    from _pytest.terminal import TerminalReporter
+
     from elitescript.pytest_plugin.limits import Guard, Limits
     from elitescript.pytest_plugin.served import ServedRobot
     from elitescript.robot import VirtualRobot
@@ -53,10 +55,15 @@ _SERVED: Final = "elitescript serve"
 _INI: Final = {
     "elitescript_limit_s": "robot time after which a run without until_s is ended and fails its test, s; 0 for none "
     "(default: 600)",
-    "elitescript_findings": "let a test fail if `check` or a run of it finds an `error`, or also a `warning` "
-    "(default: off)",
+    "elitescript_findings": "let a test fail if `check` or a run of it finds an `error`, or also a `warning`; `off` "
+    "does not look for any (default: tests that pass with some are named at the end)",
     "elitescript_wall_limit_s": "wall time after which a run is ended and fails its test, s; 0 for none (default: 60)",
 }
+
+_FINDINGS: Final = "elitescript_findings"
+"""Property of reports of tests that have passed: how many errors and warnings there were."""
+FINDINGS_SHOWN: Final = 10
+"""Tests that are named at the end."""
 
 _SHOWS_PROGRAMS: Final = "shows_programs"
 """Attribute of reports in which texts of programs stand; their parts are `_SECTIONS`, or all of a plain text."""
@@ -102,6 +109,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="let a test fail if `check` or the run warns about one of its programs",
     )
+    group.addoption(
+        "--script-watch",
+        action="store_true",
+        help="run the tests again whenever a program, a Python file or a data file below the root folder has changed; "
+        "Ctrl-C ends it",
+    )
     for name, text in _INI.items():
         parser.addini(name, text)
 
@@ -115,6 +128,16 @@ def _percent(text: str) -> float:
     if not 0.0 <= number <= 100.0:
         raise pytest.UsageError(f"--script-cov-fail-under: write a number from 0 to 100, not {text!r}")
     return number
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> int | None:
+    """Run the tests in rounds, if that is asked for."""
+    if not config.option.script_watch:
+        return None
+    from elitescript.pytest_plugin.rounds import IN_ROUND, watch
+
+    return None if IN_ROUND in os.environ else watch(config)
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -243,6 +266,8 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     report = yield
     if getattr(item, _SHOWS_PROGRAMS, False):
         setattr(report, _SHOWS_PROGRAMS, True)
+    if report.passed and report.when == "call" and (watcher := item.stash.get(_WATCHER, None)) is not None:
+        _count_findings(item, report, watcher.runs)
     if report.failed and (watcher := item.stash.get(_WATCHER, None)) is not None and (runs := watcher.runs):
         from elitescript.pytest_plugin.failures import section, write_pages
 
@@ -254,6 +279,33 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 
         _add_section(report, _SERVED, served_section(served.log))
     return report
+
+
+def _count_findings(item: pytest.Item, report: pytest.TestReport, runs: Collection[WatchedRun]) -> None:
+    """Let the report of a test that has passed say how many errors and warnings its programs and runs have."""
+    if not runs or item.config.getini(_FINDINGS) == "off":
+        return
+    from elitescript.pytest_plugin.strictness import findings_in_words
+
+    if words := findings_in_words(runs):
+        report.user_properties.append((_FINDINGS, words))
+        # JUnit XML takes properties from the report of the teardown.
+        item.user_properties.append((_FINDINGS, words))
+
+
+def pytest_terminal_summary(terminalreporter: TerminalReporter) -> None:
+    """Name tests that have passed with findings; the last line counts them, and is not green."""
+    found = [report for report in terminalreporter.stats.get("passed", ()) if _FINDINGS in dict(report.user_properties)]
+    if not found:
+        return
+    terminalreporter.stats["with findings"] = found
+    terminalreporter.section("elitescript findings", yellow=True)
+    for report in found[:FINDINGS_SHOWN]:
+        terminalreporter.write_line(f"{report.nodeid}: {dict(report.user_properties)[_FINDINGS]}")
+    if len(found) > FINDINGS_SHOWN:
+        terminalreporter.write_line(f"and {len(found) - FINDINGS_SHOWN} more tests")
+    advice = "elitescript_findings = warning fails such tests and names the findings; = off does not look for them"
+    terminalreporter.write_line(advice)
 
 
 @pytest.hookimpl(trylast=True)

@@ -7,9 +7,10 @@ from typing import Final
 
 import pytest
 
+from elitescript.findings.found import Findings
 from elitescript.language.options import Options
 from elitescript.lint.engine import compile_checked
-from elitescript.messages.findings import ERROR, WARNING
+from elitescript.messages.findings import ERROR, NOTE, WARNING, Finding
 from elitescript.pytest_plugin.script_program import RETURNED
 from elitescript.pytest_plugin.watching import WatchedRun
 
@@ -27,14 +28,24 @@ def findings_of(watched: Iterable[WatchedRun], level: str) -> list[str]:
     if level not in LEVELS:
         raise pytest.UsageError(f"elitescript_findings must be {', '.join(LEVELS)}, got {level!r}")
     refused = LEVELS[level]
-    found: dict[str, None] = {}
-    for watch in watched if refused else ():
+    return [text for text, finding in _found(watched if refused else ()).items() if finding.severity in refused]
+
+
+def findings_in_words(watched: Iterable[WatchedRun]) -> str:
+    """Return how many errors and warnings text and runs have: `1 error, 2 warnings`; empty without any."""
+    return Findings(finding for finding in _found(watched).values() if finding.severity != NOTE).words
+
+
+def _found(watched: Iterable[WatchedRun]) -> dict[str, Finding]:
+    """Return the findings of text and run by what is said of them, each once."""
+    found: dict[str, Finding] = {}
+    for watch in watched:
         of_tests = RETURNED in watch.unit.global_names
         for finding in watch.findings:
             # Nothing in a file of tests calls them.
-            if finding.severity in refused and not (of_tests and finding.code == NOTHING_RUNS):
-                found[f"{watch.unit.source.name}: {finding}"] = None
-    return list(found)
+            if not (of_tests and finding.code == NOTHING_RUNS):
+                found[f"{watch.unit.source.name}: {finding}"] = finding
+    return found
 
 
 def warnings_of(watched: Iterable[WatchedRun]) -> list[str]:

@@ -15,7 +15,7 @@ export function Announcer({ studio }: { studio: Studio }) {
       const state = runState(studio);
       const count = problemCount(studio);
       // What a computation has reached is not said: it changes all the time.
-      const words = [count, state.kind === "busy" ? "" : state.text].filter(Boolean).join("; ");
+      const words = [state.text.includes(count) ? "" : count, state.kind === "busy" ? "" : state.text].filter(Boolean).join("; ");
       clearTimeout(timer);
       timer = setTimeout(() => (said.value = words), PAUSE_MS);
     });

@@ -39,8 +39,12 @@ export function runState(studio: Studio): RunState {
   }
   const t = short(ended.moment.t);
   switch (ended.state) {
-    case "finished":
-      return state("good", text("state_finished", { t }));
+    case "finished": {
+      // What has errors or warnings does not look good, though it has finished; notes do not count.
+      const { errors, warnings } = countsOf(findingsOf(studio));
+      const words = [text("state_finished", { t }), problemCount(studio)].filter(Boolean).join(text("list_separator"));
+      return state(errors > 0 ? "error" : warnings > 0 ? "warning" : "good", words);
+    }
     case "stopped":
       return state("none", text("state_stopped", { t }));
     case "alarm":
@@ -62,5 +66,5 @@ export function problemCount(studio: Studio): string {
     warnings > 0 ? text(warnings === 1 ? "warning_one" : "warning_many", { count: warnings }) : "",
     others > 0 ? text(others === 1 ? "hint_one" : "hint_many", { count: others }) : "",
   ];
-  return parts.filter(Boolean).join(", ");
+  return parts.filter(Boolean).join(text("list_separator"));
 }

@@ -72,6 +72,15 @@ class CheckReport:
         """Report one problem."""
         self._line(rendered(problem, checked.source, palette_of(self._out)))
 
+    def unfinished(self, checked: CheckedFile, line: int, text: str) -> None:
+        """Report that the run of a program did not come to its end.
+
+        Args:
+            checked: the program.
+            line: where it was; 0 if that is not known.
+            text: why.
+        """
+
     def end(self) -> None:
         """End the report, after all texts."""
 
@@ -120,6 +129,10 @@ class GithubReport(CheckReport):
         place = ",".join(f"{name}={_property(str(value))}" for name, value in fields.items())
         self._line(f"::{_COMMANDS[problem.severity]} {place}::{_message(text)}")
 
+    def unfinished(self, checked: CheckedFile, line: int, text: str) -> None:
+        place = f"file={_property(self._place(checked))},line={max(1, line)}"
+        self._line(f"::error {place},title=not finished::{_message(text)}")
+
     def _place(self, checked: CheckedFile) -> str:
         return checked.name if checked.is_stream else from_root(checked.name, self._root).as_posix()
 
@@ -132,6 +145,7 @@ class SarifReport(CheckReport):
         self._root = repository_root()
         self._results: list[dict[str, Any]] = []
         self._codes: list[str] = []
+        self._unfinished: list[dict[str, Any]] = []
 
     def repair(self, checked: CheckedFile, repair: Repair) -> None:
         """Leave repairs out: a log has problems only."""
@@ -152,12 +166,25 @@ class SarifReport(CheckReport):
             result["fixes"] = [_sarif_fix(problem.fix, artifact)]
         self._results.append(result)
 
+    def unfinished(self, checked: CheckedFile, line: int, text: str) -> None:
+        location: dict[str, Any] = {"artifactLocation": self._artifact(checked)}
+        if line:
+            location["region"] = {"startLine": line}
+        notification = {"level": "error", "message": {"text": _plain(encodable(text))}}
+        self._unfinished.append(notification | {"locations": [{"physicalLocation": location}]})
+
     def end(self) -> None:
         driver = {"name": "elitescript", "version": __version__, "rules": [_sarif_rule(code) for code in self._codes]}
+        invocation: dict[str, Any] = {
+            "executionSuccessful": not self._unfinished,
+            "workingDirectory": {"uri": _folder_uri(Path.cwd())},
+        }
+        if self._unfinished:
+            invocation["toolExecutionNotifications"] = self._unfinished
         run = {
             "tool": {"driver": driver},
             "columnKind": "unicodeCodePoints",
-            "invocations": [{"executionSuccessful": True, "workingDirectory": {"uri": _folder_uri(Path.cwd())}}],
+            "invocations": [invocation],
             "originalUriBaseIds": {_ROOT: {"uri": _folder_uri(self._root)}},
             "results": self._results,
         }

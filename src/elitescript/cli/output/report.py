@@ -99,7 +99,7 @@ class JsonRunReport:
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         print(_where(robot, wall_s), file=sys.stderr)
 
-    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_spoilt: bool = False) -> None:
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_strict: bool = False) -> None:
         record: dict[str, Any] = {
             "type": "end",
             "state": run.state,
@@ -243,37 +243,27 @@ class TextRunReport:
         self._out.flush()
         print(_where(robot, wall_s), file=self._err)
 
-    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_spoilt: bool = False) -> None:
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_strict: bool = False) -> None:
         """Report the end of a run.
 
         Args:
             run: the run.
             is_interrupted: whether Ctrl-C has ended it.
             overruns: ticks that began late; None if it was not paced.
-            is_spoilt: whether it has finished with warnings that `--strict` does not allow.
+            is_strict: whether warnings of the run are a failure.
         """
         wall_s = time.perf_counter() - self._start_s
-        words = {
-            "finished": "finished",
-            "alarm": "ended by an alarm",
-            "stopped": "interrupted" if is_interrupted else "stopped",
-            "time_limit": "still running at the time limit",
-            "stuck": "stuck: nothing can ever happen again",
-        }
         self._out.flush()
         if run.state not in ("finished", "alarm"):
             for thread in run.threads:
                 print(f"{'':14}{shown_word(thread.name)}: line {thread.line}, {shown(thread.doing)}", file=self._err)
         late = f"; {overruns} ticks began late" if overruns else ""
-        role = {"finished": "finished", "alarm": "alarm"}.get(run.state, "warning")
-        state = palette_of(self._out).paint(role, words[run.state])
-        # An alarm is the state.
-        counted = run.findings.without_alarms.words if run.has_findings else ""
-        found = f", {counted}" if counted else ""
-        spoilt = ", which --strict does not allow" if is_spoilt else ""
-        print(
-            f"{run.time_s:10.3f} s  {state}{found}{spoilt} (robot time; {wall_s:.2f} s of yours{late})", file=self._out
-        )
+        # What has errors or warnings is not green, though it has finished.
+        role = "finished" if run.is_clean else "alarm" if run.state == "alarm" else "warning"
+        verdict = run.verdict.replace("stopped", "interrupted", 1) if is_interrupted else run.verdict
+        state = palette_of(self._out).paint(role, verdict)
+        spoilt = ", which --strict does not allow" if is_strict and run.is_spoilt else ""
+        print(f"{run.time_s:10.3f} s  {state}{spoilt} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
 
     def finish(self) -> None:
         """Complete the report, also of a program that was refused."""

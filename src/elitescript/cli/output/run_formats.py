@@ -10,7 +10,7 @@ from elitescript.cli.output.report import TextRunReport
 from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.findings import Finding
-from elitescript.run import Run
+from elitescript.run import ENDINGS, Run
 
 
 class FindingsReport(TextRunReport):
@@ -25,15 +25,17 @@ class FindingsReport(TextRunReport):
         super().__init__(sys.stderr, sys.stderr, logs)
         self._form = FORMATS[form](sys.stdout)
         self._problems: tuple[Diagnostic, ...] = ()
+        self._unfinished: tuple[int, str] | None = None
+        """Line and reason of a run that the time limit has ended: it has no finding."""
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         """Report the findings before the run, which are those of a program that is refused."""
         self._problems = tuple(problems)
         super().problems(self._problems, source)
 
-    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_spoilt: bool = False) -> None:
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_strict: bool = False) -> None:
         """Report the end of a run, and take its findings."""
-        super().end(run, is_interrupted=is_interrupted, overruns=overruns, is_spoilt=is_spoilt)
+        super().end(run, is_interrupted=is_interrupted, overruns=overruns, is_strict=is_strict)
         columns = {(problem.code, problem.line, problem.column): problem for problem in self._problems}
         self._problems = tuple(
             columns[key]
@@ -43,10 +45,16 @@ class FindingsReport(TextRunReport):
             for found in run.findings
         )
         self._source = run.unit.source
+        if run.state == "time_limit":
+            line = run.threads[0].line if run.threads else 0
+            self._unfinished = line, f"{ENDINGS[run.state]} after {run.time_s:.3f} s: {run.why}"
 
     def finish(self) -> None:
         """Write the findings."""
-        self._form.file(CheckedFile(self._source.name, self._source, self._problems))
+        checked = CheckedFile(self._source.name, self._source, self._problems)
+        self._form.file(checked)
+        if self._unfinished is not None:
+            self._form.unfinished(checked, *self._unfinished)
         self._form.end()
 
 

@@ -59,6 +59,9 @@ _CHANGING: Final = frozenset(("random", "get_micro_line_values_by_index"))
 """`random` gives another value each time; the other one belongs to a file that is loaded."""
 
 
+_HANDLED: Final = ("stop_thread", "join_thread")
+
+
 class Param:
     """One parameter of a command."""
 
@@ -227,6 +230,17 @@ class Command:
     def call_hint(self) -> str:
         """What to do about a wrong call."""
         return said("it is called as {signature}", signature=self.signature)
+
+    def hint_about(self, value: object) -> str:
+        """Return what to do about a value that the command refuses: what is commonly meant, or how it is called."""
+        if self.name in _HANDLED and callable(value):
+            name = getattr(value, "__name__", repr(value))
+            return said(
+                "{name} takes what start_thread has returned: h = start_thread({function}, ())",
+                name=self.name,
+                function=name if name.isidentifier() else "f",
+            )
+        return self.call_hint
 
     def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Put arguments in order, fill in defaults, coerce and check.

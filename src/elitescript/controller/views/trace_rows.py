@@ -11,7 +11,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from operator import index as as_integer
 from struct import Struct
-from typing import Final, overload
+from typing import Any, Final, overload
 
 from elitescript.controller.views.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, Trace, TraceRow, TraceSpan
 from elitescript.controller.views.trace_signals import TraceSignals
@@ -191,7 +191,7 @@ class TraceRows(Sequence[TraceRow]):
 
     def stretches(self) -> list[RowStretch]:
         """Return the stretches of rows that share line, state and signals; neighbours may differ in none of them."""
-        ends = [*self._begins[1:], len(self._times)]
+        ends = [*self._begins[1:], len(self._times)] if self._begins else []
         return [
             RowStretch(its.begin, end, its.line, its.state, its.signals)
             for its, end in zip(self._stretches, ends, strict=True)
@@ -219,6 +219,29 @@ class TraceRows(Sequence[TraceRow]):
             else:
                 found.extend(self._numbers[first : first + (end - begin) * width : width])
         return found
+
+    def columns(self) -> dict[str, list[Any]]:
+        """Return all columns as lists, by the names of `run --trace`: `pandas.DataFrame(run.trace.columns())`.
+
+        `t` (s), `line`, `q1` to `q6` (rad), `qd1` to `qd6` (rad/s), `x` to `rz` (TCP pose in the base frame, m and
+        rad), `state`; `qa1` to `qa6` where joints are measured; then the signals of the trace. `polars.DataFrame`,
+        `pyarrow.table` and others take the same.
+        """
+        names = [*TRACE_COLUMNS[2:-1], *(ACTUAL_COLUMNS if self._stretches and self.has_actual else ())]
+        numbers = {name: list(self.column(name)) for name in names}
+        found: dict[str, list[Any]] = {"t": list(self._times), "line": [], "state": []}
+        parts = self.stretches()
+        signals = list(dict.fromkeys(name for part in parts for name in part.signals))
+        found.update({name: [] for name in signals})
+        for part in parts:
+            count = part.end - part.begin
+            found["line"] += [part.line] * count
+            found["state"] += [part.state] * count
+            for name in signals:
+                found[name] += [part.signals[name]] * count
+        found |= numbers
+        order = (*TRACE_COLUMNS, *names[len(TRACE_COLUMNS) - 3 :], *signals)
+        return {name: found[name] for name in order}
 
     def between(self, begin_s: float, end_s: float, every: int = 1) -> list[TraceRow]:
         """Return the rows from one time to another, both included, or only every second or third ... of them.

@@ -51,7 +51,6 @@ class TcpClient(Device):
     encoding: str = "utf-8"
 
     _transport: MemoryTransport | None = None
-    _robot: RobotAccess
     _lines: LineBuffer | None = None
 
     # ---------------------------------------------------------------- what a subclass may override
@@ -93,7 +92,7 @@ class TcpClient(Device):
             context = self._in_world()
             connection, robot = context.connect(self, self.service), context.signals.robot
             assert robot is not None
-            self._robot = robot
+            self._robot: RobotAccess = robot
             self._transport = transport = MemoryTransport(connection)
             self.after(0.0, self._begin, transport)
 
@@ -199,8 +198,6 @@ class ModbusClient(TcpClient):
     unit: int = 1
 
     _transaction = 0
-    _asked: dict[int, tuple[bytes, Then | None]]
-    _splitter: TcpSplitter
 
     def read_registers(self, address: int, count: int, then: Then) -> None:
         """Read holding registers."""
@@ -231,7 +228,8 @@ class ModbusClient(TcpClient):
         check_number("unit", self.unit, 0, 255, is_whole=True)
 
     def stand(self) -> None:
-        self._asked, self._splitter = {}, TcpSplitter()
+        self._asked: dict[int, tuple[bytes, Then | None]] = {}
+        self._splitter = TcpSplitter()
         super().stand()
 
     def received(self, data: bytes) -> Answer:

@@ -294,7 +294,6 @@ class _TcpRequests(TcpConnection):
 
 
 class _RtuBus(_Bus, LineDevice):
-    _slave: RtuSlave
     _count = 0
 
     @property

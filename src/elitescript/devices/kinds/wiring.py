@@ -59,7 +59,6 @@ class Wire(Device):
     value: Value | None = None
     otherwise: Value | None = None
 
-    _expression: Expression
     _last: Any = None
 
     @property

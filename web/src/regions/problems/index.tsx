@@ -18,7 +18,6 @@ const SEVERITIES: { readonly [severity in Problem["severity"]]: keyof Texts } = 
 };
 
 export function Problems({ studio }: { studio: Studio }) {
-  const run = studio.run.value;
   const version = studio.problems.value?.version ?? 0;
   const found = findingsOf(studio);
   const rows = [...runProblems(studio, found, version), ...found.list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} version={version} />)];
@@ -28,7 +27,7 @@ export function Problems({ studio }: { studio: Studio }) {
     const rules = studio.problems.value?.rules;
     return (
       <p class="empty">
-        {text(studio.problems.value === null && run === null ? "problems_unknown" : "problems_none")}
+        {text(nothingFound(studio))}
         {rules !== undefined && ` ${text("problems_rules", { count: rules })}`}
       </p>
     );
@@ -39,6 +38,14 @@ export function Problems({ studio }: { studio: Studio }) {
       {more > 0 && <p class="faint">{text("rows_more", { count: more })}</p>}
     </div>
   );
+}
+
+/** What no finding means: of the text alone it says nothing of a run. */
+function nothingFound(studio: Studio): keyof Texts {
+  const run = studio.run.value;
+  if (studio.problems.value === null) return run === null ? "problems_unknown" : "problems_trace";
+  if (run?.ended == null || studio.staleFrom.value > 0) return "problems_text";
+  return run.ended.state === "finished" ? "problems_none" : "problems_so_far";
 }
 
 function runProblems(studio: Studio, { alarm, cause, contacts, met, refused_connections: refused }: Findings, version: number): ComponentChildren[] {

@@ -47,6 +47,16 @@ EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
 EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}
 """Exit code of a process that runs one program, by the state at its end."""
 
+ENDINGS: Final = {
+    "": "still running",
+    "finished": "finished",
+    "alarm": "ended by an alarm",
+    "stopped": "stopped",
+    "time_limit": "still running at the time limit",
+    "stuck": "stuck: nothing can ever happen again",
+}
+"""States of a run in words."""
+
 
 class ProgramGlobals(dict[str, Any]):
     """The variable monitor; a name that is not there is refused with the names that are."""
@@ -224,6 +234,31 @@ class Run:
         raise AttributeError(f"'Run' object has no attribute {name!r}{did_you_mean(name, dir(type(self)))}")
 
     @property
+    def verdict(self) -> str:
+        """How it ended and what was found, in words: `finished, 2 warnings`."""
+        # An alarm is the state.
+        counted = self.findings.without_alarms.words if self.has_findings else ""
+        return f"{ENDINGS[self.state]}, {counted}" if counted else ENDINGS[self.state]
+
+    @property
+    def is_clean(self) -> bool:
+        """Whether it finished, and neither its text nor the run has an error or a warning; notes do not count."""
+        return self.state == "finished" and (not self.has_findings or self.findings.is_clean)
+
+    @property
+    def is_spoilt(self) -> bool:
+        """Whether it finished with warnings of its own, which a strict robot does not allow."""
+        return self.state == "finished" and self.has_findings and not self.findings.of_run.is_clean
+
+    def exit_code(self, *, is_strict: bool = False) -> int:
+        """Return the exit code of a process that runs this program alone.
+
+        Args:
+            is_strict: warnings of the run are a failure.
+        """
+        return EXIT_CODES[self.state or "stopped"] or (1 if is_strict and self.is_spoilt else 0)
+
+    @property
     def why(self) -> str | None:
         """Why it did not finish, in a sentence; None if it finished, was stopped or still runs."""
         if self.alarms and self.state in ("alarm", "stuck"):
@@ -377,8 +412,28 @@ class Run:
         if self._texts[kind] > TEXT_MAX:
             self._texts[kind], _ = _lighten(texts)
 
+    def _repr_html_(self) -> str:
+        """Return what notebooks show: verdict, findings, and a picture of its time; with a trace of its joints too."""
+        # Imported late: it is for notebooks alone.
+        from elitescript.run.html import Shown, html_of
+
+        return html_of(
+            Shown(
+                self.unit.source.name,
+                self.verdict,
+                self.is_clean,
+                self.state in ("alarm", "stuck"),
+                self.why or "",
+                self.time_s,
+                self.start_tick,
+                self.findings,
+                self.events,
+                self.trace,
+            )
+        )
+
     def __repr__(self) -> str:
-        return f"<Run {self.state or 'running'} after {self.time_s:.3f} s>"
+        return f"<Run {self.verdict}, {self.time_s:.3f} s>"
 
 
 _WITH_TEXT: Final = frozenset({TextMessage, Printed, Popup, Warned, DeviceNoted, Alarm})
