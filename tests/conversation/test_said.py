@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from elitescript import VirtualRobot
+from elitescript.devices.channels.faults import title_of
 from elitescript.studio import services
 
 ROOT = Path(__file__).parents[2]
@@ -108,6 +109,13 @@ def test_what_the_page_is_told_has_a_row(module, text):
 @pytest.mark.parametrize(("module", "text"), waits())
 def test_what_threads_wait_for_has_a_row(module, text):
     assert text in ENGLISH
+
+
+@pytest.mark.parametrize("on", [5000, "plant"])
+def test_what_a_fault_reports_has_a_row(on):
+    text = f"{title_of('delay', on)} acts"
+    assert re.sub("delay|plant|5000", "{}", text) in ENGLISH
+    assert "fault" in ENGLISH
 
 
 def test_there_is_something_to_look_for():

@@ -7,7 +7,9 @@ import gc
 import hashlib
 import os
 import pickle
+import sys
 import weakref
+from linecache import getline
 
 import pytest
 
@@ -17,6 +19,7 @@ from elitescript.debugger.api import (
     FunctionBreakpoint,
     LineBreakpoint,
 )
+from elitescript.debugger.engine import Engine
 from elitescript.errors import DebugError
 from elitescript.robot import VirtualRobot
 from tests.debugger.sessions import at_entry, debugging, everything, lines, variables
@@ -138,6 +141,29 @@ class TestSteps:
             assert session.next(1).line in (2, 3)
             session.pause()
             assert session.resume().line in (2, 3)
+
+    def test_a_pause_that_comes_while_the_program_is_made_to_go_on_is_not_lost(self):
+        with at_entry("n = 0\nfor i in range(1000):\n  n = n + 1\nend\n") as session:
+            session.next(1)
+            paused = []
+
+            def trace(frame, event, argument):
+                if frame.f_code is not Engine._install.__code__:
+                    return None
+                if event == "line" and "[take] * " in getline(frame.f_code.co_filename, frame.f_lineno) and not paused:
+                    # As another thread might, when `_install` has looked whether a pause was asked for.
+                    paused.append(session.pause())
+                return trace
+
+            outer = sys.gettrace()
+            sys.settrace(trace)
+            try:
+                stop = session.resume()
+            finally:
+                sys.settrace(outer)
+            assert paused == [None]
+            assert stop.reason == "pause"
+            assert stop.position.statement <= 3
 
     def test_no_debug_does_not_stop(self):
         with debugging(PICK + "\n") as session:

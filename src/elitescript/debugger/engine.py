@@ -213,6 +213,7 @@ class Engine:
         self.places.add(unit)
         entry = self._trap.pop if self._traps is None else self._steps.pop
         self._table += [entry] * unit.probes.size
+        self._keep_pause()
 
     def hooks(self) -> dict[str, object]:
         """See `runtime.probe.Probe`."""
@@ -348,7 +349,7 @@ class Engine:
     def pause(self) -> None:
         """Stop at the next statement or tick; may be called from any thread."""
         self._is_pausing = True
-        self._table[:] = [self._trap.pop] * len(self._table)
+        self._keep_pause()
 
     def run(self, goal: Goal) -> Stop | None:
         """Go on until the goal stops it; return the stop. With `last`, go to its position and return the last hit."""
@@ -428,6 +429,11 @@ class Engine:
         self._is_soon = True
         self._table[:] = [self._trap.pop] * len(self._table)
 
+    def _keep_pause(self) -> None:
+        """Let a pause act that has come, from another thread, before or while the table was filled."""
+        if self._is_pausing:
+            self._table[:] = [self._trap.pop] * len(self._table)
+
     def _install(self) -> None:
         take, trap = self._steps.pop, self._trap.pop
         if len(self._trap) < len(_TRAPS) // 2:
@@ -444,6 +450,7 @@ class Engine:
             load = min(load, target - count - 1)
         self._base, self._loaded = count, load
         self._steps[:] = [False, *[True] * load]
+        self._keep_pause()
 
     def _target_count(self) -> int | None:
         """Return the count of the next statement at which the hook has to be called."""

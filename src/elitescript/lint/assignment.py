@@ -27,7 +27,7 @@ class Unassigned(NamedTuple):
     Attributes:
         node: where it is read.
         scope: the function.
-        branch: the `if` without `else` that gives it a value; None where nothing before it does.
+        branch: the `if` of which some branches give it a value; None where nothing before it does.
     """
 
     node: ast.Name
@@ -281,8 +281,7 @@ class _Follower:
             else:
                 self.take_back(mark)
             break
-        is_single = current is node and not current.orelse
-        self.keep(ends, node if is_single else None)
+        self.keep(ends, node)
         return bool(ends)
 
     def loop(self, node: ast.While | ast.For, depth: int) -> bool:

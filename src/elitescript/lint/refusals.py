@@ -49,7 +49,8 @@ class ArgumentRefusal(NamedTuple):
     @property
     def hint(self) -> str:
         """What to do about it."""
-        return self.error.hint or self.command.call_hint
+        value = self.error.value
+        return self.error.hint or self.command.hint_about(value)
 
 
 def refuse(param: Param, value: Any) -> ScriptError | None:

@@ -147,7 +147,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "tool_pin_input": ("set_tool_digital_io_config",),
     "unasked_reading": ("socket_read_",),
     "unfit_address": ("socket_open", "modbus_"),
-    "wrong_operands": (*"+-*/%<>", "len", "range"),
+    "wrong_operands": (*"+-*/%<>[", "len", "range", "for "),
 }
 """Words of which a text has at least one where a rule can find anything, by file: other texts do not load it."""
 

@@ -103,7 +103,7 @@ def alarm_of(
             details["hint"] = missing
         command = catalogue.get(error.command) if type(error.command) is str else None
         if command is not None and code in _MISCALLED and "hint" not in details:
-            details["hint"] = command.call_hint
+            details["hint"] = command.hint_about(error.value)
     elif type(error) is NameError and type(error.name) is str and text.endswith("is not defined"):
         code, class_name, text, details = _unknown_name(error.name, text, place, known, catalogue, profile)
     elif isinstance(error, MemoryError) and not text:

@@ -147,7 +147,7 @@ class Evaluation(Expressions):
             old = self._subscript_value(target) if isinstance(target, ast.Subscript) else UNKNOWN
             if isinstance(target, ast.Attribute):
                 self.expression(target.value)
-        self.values[target] = old
+        self.values[target] = self.values[node] = old
         operand = self.expression(node.value)
         new = self._computed(node, node.op, old, operand)
         if isinstance(node.op, ast.Add) and old.kinds & LIST:

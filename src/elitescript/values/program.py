@@ -43,6 +43,11 @@ class Values:
         is_new = bool(found.sites) and found.sites is self._evaluation.sites.known(node)
         return self._complete(found, is_new=is_new)
 
+    def before(self, node: ast.AugAssign) -> Value:
+        """Return what the target of `x += 1` is before the statement."""
+        found = self._evaluation.values.get(node, UNKNOWN) if self.is_known else UNKNOWN
+        return self._complete(found)
+
     def variable(self, name: str, scope: Scope) -> Value:
         """Return all that a variable ever is, by a name and the scope in which it is used."""
         if not self.is_known:

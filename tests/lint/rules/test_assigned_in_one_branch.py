@@ -10,6 +10,12 @@ from tests.lint.checking import body
     [
         ("if get_standard_digital_in(0):", "  x = 1", "end", "textmsg(x)"),
         ("n = read_input_integer_register(0)", "if n > 3:", "  x = 1", "end", "textmsg(x)"),
+        ("m = read_input_integer_register(0)", "if m == 1:", "  x = 1", "elif m == 2:", "  x = 2", "end", "textmsg(x)"),
+        ("if get_flag(0):", '  textmsg("a")', "else:", "  x = 1", "end", "textmsg(x)"),
+        (
+            "m = read_input_integer_register(0)",
+            *("if m == 1:", "  x = 1", "elif m == 2:", "  x = 2", "else:", "  sync()", "end", "textmsg(x)"),
+        ),
         ("while True:", "  if get_standard_digital_in(0):", "    x = 1", "  end", "  textmsg(x)", "  sleep(1)", "end"),
     ],
     ids=str,
@@ -35,7 +41,11 @@ def test_it_is_found(lines):
             "end",
         ),
         ("if not get_standard_digital_in(0):", "  halt()", "else:", "  x = 1", "end", "textmsg(x)"),
-        ("m = read_input_integer_register(0)", "if m == 1:", "  x = 1", "elif m == 2:", "  x = 2", "end", "textmsg(x)"),
+        (
+            "m = read_input_integer_register(0)",
+            *("if m == 1:", "  x = 1", "elif m == 2:", "  x = 2", "else:", "  halt()", "end", "textmsg(x)"),
+        ),
+        ("side = 'L'", "if side == 'L':", "  x = 1", "elif side == 'R':", "  x = 2", "end", "textmsg(x)"),
     ],
     ids=str,
 )

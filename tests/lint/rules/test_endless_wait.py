@@ -10,6 +10,7 @@ from tests.lint.checking import body
     [
         ("ready = False", "while not ready:", "  sleep(0.1)", "end"),
         ("go = get_standard_digital_in(0)", "while not go:", "  sleep(0.1)", "end"),
+        ("def until(x):", "  while not x:", "    sync()", "  end", "end", "until(get_standard_digital_in(0))"),
         ("v = read_input_integer_register(0)", "while v < 5:", "  sync()", "end"),
         ("waited = 0", "while not get_flag(0) and waited < 2:", "  sleep(0.1)", "end"),
         ("left = 9", "while left > 0 and get_flag(0) != True:", "  sync()", "  movej([0, 0, 0, 0, 0, 0])", "end"),

@@ -11,6 +11,16 @@ from tests.lint.checking import body
         ("r = socket_read_ascii_float(3)", "movel([r[1], r[2], 0.4, 3.14, 0, 0])"),
         ("r = socket_read_ascii_float(3)", "x = r[1] / 1000", "y = x + 0.1", "movel([x, y, 0.4, 3.14, 0, 0])"),
         ("b = socket_read_binary_integer(1)", "write_output_integer_register(0, b[1])"),
+        (
+            "def where():",
+            "  return socket_read_ascii_float(3)",
+            *("end", "r = where()", "movel([r[1], r[2], 0.4, 3.14, 0, 0])"),
+        ),
+        (
+            "def go(r):",
+            "  movel([r[1], r[2], 0.4, 3.14, 0, 0])",
+            *("end", "go(socket_read_ascii_float(3))"),
+        ),
         ("set_standard_analog_out(0, socket_read_ascii_float(1)[1])",),
     ],
     ids=str,
@@ -40,6 +50,19 @@ def test_it_is_found(lines):
             "write_output_integer_register(0, r[1])",
         ),
         ("r = socket_read_ascii_float(3)", "textmsg(r)"),
+        (
+            "def where():",
+            "  r = socket_read_ascii_float(3)",
+            "  while r[0] != 3:",
+            "    r = socket_read_ascii_float(3)",
+            *("  end", "  return r", "end", "r = where()", "movel([r[1], r[2], 0.4, 3.14, 0, 0])"),
+        ),
+        (
+            "def go(r):",
+            "  if r[0] == 3:",
+            "    movel([r[1], r[2], 0.4, 3.14, 0, 0])",
+            *("  end", "end", "go(socket_read_ascii_float(3))"),
+        ),
         (
             "def is_fine(x):",
             "  return x[0] == 3",

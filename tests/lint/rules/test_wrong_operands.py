@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.lint.checking import body
+from tests.lint.checking import body, only
 
 
 @pytest.mark.parametrize(
@@ -15,6 +15,13 @@ from tests.lint.checking import body
         ('textmsg("x" + read_input_integer_register(0))',),
         ("if socket_read_string() > 5:", "  halt()", "end"),
         ("textmsg(len(5))",),
+        ("n = 0", 'n += "1"', "textmsg(n)"),
+        ('s = "n: "', "s += 3", "textmsg(s)"),
+        ('textmsg(-"3")',),
+        ("for i in 5:", "  textmsg(i)", "end"),
+        ("n = 3", 'textmsg(n["x"])'),
+        ("p = get_target_tcp_pose()", 'textmsg(p["z"])'),
+        ("p = get_target_tcp_pose()", "p[0.5] = 1", "movel(p)"),
         ("p = get_target_tcp_pose()", "d = p - [0, 0, 0.1, 0, 0, 0]", "textmsg(d)"),
         ("p = get_target_tcp_pose()", "movel(p + 0.1)"),
     ],
@@ -33,6 +40,10 @@ def test_it_is_found(lines):
         ("n = 0", "if n > 0:", "  textmsg(5 / n)", "end"),
         ("try:", '  textmsg("a" + 3)', "except:", '  textmsg("no")', "end"),
         ("textmsg([1] + [2])",),
+        ('s = "n: "', "s += str(3)", "n = 1", "n += 0.5", "n *= 2", "textmsg(s, n)"),
+        ("l = [1]", "l += (2,)", "textmsg(l)"),
+        ("for c in 'abc':", "  textmsg(c)", "end", "d = {'x': 1}", "textmsg(d['x'])"),
+        ("textmsg(-True)", "textmsg(not 'a')"),
         ("textmsg(True + 1)",),
         ("for i in range(len([1, 2])):", "  textmsg(i)", "end"),
     ],
@@ -40,3 +51,20 @@ def test_it_is_found(lines):
 )
 def test_what_almost_is_one_is_not_found(lines):
     assert "W264" not in [problem.split()[0] for problem in body(*lines)]
+
+
+@pytest.mark.parametrize(
+    ("line", "text", "hint"),
+    [
+        ("textmsg(range(4.0))", "range takes whole numbers, and `4.0` is", "write 4"),
+        (
+            "textmsg(serial_read(4, False) > 2)",
+            None,
+            "x.decode() makes a text of bytes, and to_num(...) a number of that",
+        ),
+    ],
+)
+def test_the_hint_says_what_to_write(line, text, hint):
+    problem = only(f"def job():\n  {line}\nend\n")
+    assert problem.hint == hint
+    assert text is None or problem.text.startswith(text)

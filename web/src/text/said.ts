@@ -45,6 +45,10 @@ export const SAID: readonly (readonly [english: string, chinese: string])[] = [
   ["connection refused", "连接被拒绝"],
   ["the address is not known", "地址未知"],
   ["closed at once", "立即关闭"],
+  // What faults report.
+  ["fault", "故障"],
+  ["{1} on port {2} acts", "端口 {2} 上的 {1} 生效"],
+  ["{1} on {2} acts", "{2} 上的 {1} 生效"],
   // Programs to begin with.
   ["First moves: joints, straight lines, a rounded corner", "第一批运动：关节运动、直线、圆角过渡"],
   ["Pick and place: a gripper, and a function for what is done twice", "抓取与放置：夹爪，以及重复动作的函数"],

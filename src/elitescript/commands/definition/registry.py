@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import hypot
 from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
 
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
 from elitescript.commands.definition.results import COMPUTED, Result
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError, UsageError
-from elitescript.messages.motion import DIRECTION_M
+from elitescript.messages.motion import FARTHEST_REACH_M, TOWARDS_M
 from elitescript.messages.profile import release_of
 from elitescript.records import NamedTuple
 from elitescript.said import Said, counted, said
@@ -57,6 +58,9 @@ _ALSO_READING: Final = frozenset(
 )
 _CHANGING: Final = frozenset(("random", "get_micro_line_values_by_index"))
 """`random` gives another value each time; the other one belongs to a file that is loaded."""
+
+
+_HANDLED: Final = ("stop_thread", "join_thread")
 
 
 class Param:
@@ -227,6 +231,17 @@ class Command:
     def call_hint(self) -> str:
         """What to do about a wrong call."""
         return said("it is called as {signature}", signature=self.signature)
+
+    def hint_about(self, value: object) -> str:
+        """Return what to do about a value that the command refuses: what is commonly meant, or how it is called."""
+        if self.name in _HANDLED and callable(value):
+            name = getattr(value, "__name__", repr(value))
+            return said(
+                "{name} takes what start_thread has returned: h = start_thread({function}, ())",
+                name=self.name,
+                function=name if name.isidentifier() else "f",
+            )
+        return self.call_hint
 
     def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Put arguments in order, fill in defaults, coerce and check.
@@ -466,8 +481,8 @@ class _Details:
 
 
 def _is_direction(target: Any, doubt: Doubt) -> bool:
-    """Return whether a doubtful target of `movel` is a direction, as the scripts of the pendant compute it."""
-    return doubt.code == "W231" and doubt.element is not None and abs(target[doubt.element]) >= DIRECTION_M
+    """Return whether a doubtful target of `movel` is a direction as scripts of the pendant compute it: 1000 m away."""
+    return doubt.code == "W231" and abs(hypot(*target[:3]) - TOWARDS_M) <= FARTHEST_REACH_M
 
 
 def _judged(params: tuple[Param, ...]) -> tuple[tuple[int, Param, Judge, bool], ...]:

@@ -1,7 +1,7 @@
 """A variable that only one branch gives a value, and that is read in any case: an alarm (`NameError`) on other days.
 
-Found are variables that an `if` without `else` assigns, where its condition depends on an input, a register, a sensor
-or a peer. Where the reading has a condition of its own, the program may know what it does.
+Found are variables that some branches of an `if` assign and others do not, where a condition depends on an input, a
+register, a sensor or a peer. Where the reading has a condition of its own, the program may know what it does.
 
     def job():
       if get_standard_digital_in(0):
@@ -35,17 +35,35 @@ def assigned_in_one_branch(program: AnalysedProgram) -> Iterator[Finding]:
     symbols = program.symbols
     for found in program.derived(Assignments).found:
         branch = found.branch
-        if branch is None or program.is_tried(found.node) or not _depends_on_outside(program, branch.test):
+        if branch is None or program.is_tried(found.node):
+            continue
+        if not any(_depends_on_outside(program, test) for test in _tests(branch)):
             continue
         around = conditions(symbols, branch)
         if all(condition in around for condition in conditions(symbols, found.node)):
-            text = said(
-                "the variable `{node}` has a value only if {test}, line {line}",
-                node=found.node.id,
-                test=_shown(branch.test),
-                line=branch.lineno,
-            )
+            if not branch.orelse:
+                text = said(
+                    "the variable `{node}` has a value only if {test}, line {line}",
+                    node=found.node.id,
+                    test=_shown(branch.test),
+                    line=branch.lineno,
+                )
+            else:
+                text = said(
+                    "the variable `{node}` has a value only behind some branches of the `if` of line {line}",
+                    node=found.node.id,
+                    line=branch.lineno,
+                )
             yield Finding(found.node, text, "give it a value in front of the `if`, or in an `else`")
+
+
+def _tests(branch: ast.If) -> Iterator[ast.expr]:
+    """Yield the conditions of an `if` and of its `elif`s."""
+    current: ast.If | None = branch
+    while current is not None:
+        yield current.test
+        rest = current.orelse
+        current = rest[0] if len(rest) == 1 and isinstance(rest[0], ast.If) else None
 
 
 def _shown(node: ast.expr) -> str:

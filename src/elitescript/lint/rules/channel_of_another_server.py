@@ -12,6 +12,7 @@ address that is only tried if the first one fails is left alone, and so is a cha
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
 from typing import Final
 
@@ -25,6 +26,8 @@ from elitescript.said import said
 _OPEN: Final = "socket_open"
 _CLOSE: Final = "socket_close"
 _NAME: Final = "socket_name"
+_DEPTH_MAX: Final = 5
+"""Functions around a call that are followed."""
 
 
 @rule(code="W247", since="0.3")
@@ -40,15 +43,14 @@ def channel_of_another_server(program: AnalysedProgram) -> Iterator[Finding]:
         if not names:
             return
         closed.update(name or USUAL for name in names)
-    first: dict[tuple[str, Scope], tuple[Called, str, int]] = {}
+    first: dict[str, tuple[Called, str, int]] = {}
     for found in sorted(opens, key=lambda one: (one.call.lineno, one.call.col_offset)):
         names, addresses = called.texts(found, _NAME, USUAL), called.texts(found, "address", "")
         port = called.number(found, "port")
         if len(names) != 1 or len(addresses) != 1 or port is None:
             continue
         name = names[0] or USUAL
-        key = (name, found.scope)
-        older = first.setdefault(key, (found, addresses[0], port))
+        older = first.setdefault(name, (found, addresses[0], port))
         if name in closed or older[1:] == (addresses[0], port) or not _is_behind(program, older[0], found):
             continue
         text = said(
@@ -65,5 +67,29 @@ def _is_behind(program: AnalysedProgram, first: Called, second: Called) -> bool:
     """Return whether a call always follows another one, and does not depend on how that ended."""
     from elitescript.lint.placing import conditions
 
-    around = conditions(program.symbols, first.call)
-    return all(condition in around for condition in conditions(program.symbols, second.call))
+    symbols = program.symbols
+    earlier, later = (dict(_places(program, one)) for one in (first, second))
+    for scope, call in earlier.items():
+        if scope in later:
+            other = later[scope]
+            around = conditions(symbols, call)
+            is_later = (call.lineno, call.col_offset) < (other.lineno, other.col_offset)
+            return is_later and all(condition in around for condition in conditions(symbols, other))
+        if conditions(symbols, call):
+            break
+    return False
+
+
+def _places(program: AnalysedProgram, found: Called) -> Iterator[tuple[Scope, ast.Call]]:
+    """Yield a call in its scope, and the only call of the function around it in its scope, and so on."""
+    symbols = program.symbols
+    scope, call = found.scope, found.call
+    for _ in range(_DEPTH_MAX):
+        yield scope, call
+        if not isinstance(scope.node, ast.FunctionDef) or scope.kind != "function" or scope.parent is None:
+            return
+        reads = symbols.reads_of(scope.name, scope.parent.home(scope.name))
+        above = symbols.parent(reads[0]) if len(reads) == 1 else None
+        if not isinstance(above, ast.Call) or above.func is not reads[0]:
+            return
+        scope, call = symbols.scope_of(above), above

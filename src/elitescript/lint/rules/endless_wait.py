@@ -112,7 +112,8 @@ def _stays(program: AnalysedProgram, node: ast.Name, loop: ast.While) -> bool:
     scope = symbols.scope_of(node)
     home = scope.home(node.id)
     value = program.values.of(node)
-    if home is None or home is not scope or value.kinds & ~SCALAR or node.id in scope.parameters:
+    is_given = node.id in scope.parameters and not value.must & OUTSIDE
+    if home is None or home is not scope or value.kinds & ~SCALAR or is_given:
         return False
     if symbols.is_nonlocal_inside(node.id, home) or node.id in program.presets:
         return False

@@ -77,10 +77,10 @@ def _sinks(program: AnalysedProgram) -> dict[Variable | ast.Call, Called]:
     return found
 
 
-def _carriers(program: AnalysedProgram, call: ast.Call) -> set[Variable] | None:
-    """Return the variables that hold a reading, or something that was computed of it; None if that is not certain."""
+def _carriers(program: AnalysedProgram, call: ast.Call) -> set[Variable | ast.Call] | None:
+    """Return the variables and calls that are a reading, or what was computed of it; None if that is not certain."""
     symbols = program.symbols
-    found: set[Variable] = set()
+    found: set[Variable | ast.Call] = set()
     waiting: list[ast.AST] = [call]
     while waiting:
         node = waiting.pop()
@@ -90,10 +90,25 @@ def _carriers(program: AnalysedProgram, call: ast.Call) -> set[Variable] | None:
                 if isinstance(above, (ast.If, ast.While)) and node not in _within(above.test):
                     break
                 return None
-            if isinstance(above, (ast.Return, ast.Yield, ast.Lambda, ast.For, ast.comprehension, ast.AugAssign)):
+            if isinstance(above, ast.Return):
+                # The function's callers have it.
+                calls = _callers(program, above)
+                if calls is None:
+                    return None
+                found |= calls
+                waiting += calls
+                break
+            if isinstance(above, (ast.Yield, ast.Lambda, ast.For, ast.comprehension, ast.AugAssign)):
                 return None
-            if isinstance(above, ast.Call) and above is not call and not _is_followed(program, above):
-                return None
+            if isinstance(above, ast.Call) and above is not node and above is not call:
+                given = _parameter(program, above, node)
+                if given is not None:
+                    if given not in found:
+                        found.add(given)
+                        waiting += symbols.reads_of(*given)
+                    break
+                if not _is_followed(program, above):
+                    return None
             if isinstance(above, ast.Assign):
                 for target in above.targets:
                     if not isinstance(target, ast.Name):
@@ -108,6 +123,38 @@ def _carriers(program: AnalysedProgram, call: ast.Call) -> set[Variable] | None:
             if isinstance(above, ast.stmt):
                 break
     return found
+
+
+def _callers(program: AnalysedProgram, statement: ast.Return) -> set[ast.Call] | None:
+    """Return the calls of the function that a statement ends; None if it may be used otherwise."""
+    symbols = program.symbols
+    scope = symbols.scope_of(statement)
+    if not isinstance(scope.node, ast.FunctionDef) or scope.parent is None or scope.node.decorator_list:
+        return None
+    if len(symbols.bindings(scope.name, scope.parent)) != 1:
+        return None
+    calls: set[ast.Call] = set()
+    for read in symbols.reads_of(scope.name, scope.parent.home(scope.name)):
+        above = symbols.parent(read)
+        if not isinstance(above, ast.Call) or above.func is not read:
+            return None
+        calls.add(above)
+    return calls
+
+
+def _parameter(program: AnalysedProgram, call: ast.Call, node: ast.AST) -> Variable | None:
+    """Return the parameter of a function of the program that a value goes to; None for any other call."""
+    if not isinstance(call.func, ast.Name) or not isinstance(node, ast.expr) or node not in call.args:
+        return None
+    made = program.symbols.definitions(call.func.id, program.symbols.scope_of(call))
+    at = call.args.index(node)
+    if len(made) != 1 or any(isinstance(part, ast.Starred) for part in call.args):
+        return None
+    scope = made[0]
+    names = list(scope.parameters)
+    if at >= len(names) or len(scope.bindings[names[at]]) != 1:
+        return None
+    return names[at], scope
 
 
 def _within(node: ast.AST) -> set[ast.AST]:

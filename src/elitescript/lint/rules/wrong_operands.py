@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from math import inf
 from typing import Final
 
 from elitescript.language.symbols import Resolution
@@ -38,6 +39,7 @@ from elitescript.values.description import (
     RANGE,
     ROW,
     SET,
+    SOME_INT,
     TEXT,
     TUPLE,
     WHOLE,
@@ -82,11 +84,58 @@ def _found(program: AnalysedProgram) -> Iterator[Finding]:
             yield Finding(node, said("{expression} divides by 0", expression=shown_source(program, node)), "")
             continue
         yield from _operands(program, node, node.op, node.left, node.right)
+    for change in program.nodes(ast.AugAssign):
+        # A list takes whatever can be gone through.
+        before = program.values.before(change)
+        if isinstance(change.target, ast.Name) and not before.kinds & LIST:
+            name = ast.copy_location(ast.Name(change.target.id, ast.Load()), change.target)
+            yield from _operands(program, change, change.op, (name, before), change.value)
+    for sign in program.nodes(ast.UnaryOp):
+        yield from _negated(program, sign)
+    for loop in program.nodes(ast.For):
+        yield from _gone_through(program, loop.iter)
+    for part in program.nodes(ast.Subscript):
+        yield from _indexed(program, part)
     for comparison in program.nodes(ast.Compare):
         if len(comparison.ops) == 1:
             yield from _operands(program, comparison, comparison.ops[0], comparison.left, comparison.comparators[0])
     for call in program.nodes(ast.Call):
         yield from _steps(program, call)
+
+
+def _negated(program: AnalysedProgram, node: ast.UnaryOp) -> Iterator[Finding]:
+    value = program.values.of(node.operand)
+    is_number = (
+        isinstance(node.op, (ast.Not, ast.Invert)) or not value.is_known or value.kinds & (NUMBER | OBJECT | NONE)
+    )
+    if not is_number and not program.is_tried(node):
+        what = _said(program, node.operand, value)
+        yield Finding(node, said("{what}: `-` does not take it", what=what), _advice(node.op, value, SOME_INT))
+
+
+def _gone_through(program: AnalysedProgram, node: ast.expr) -> Iterator[Finding]:
+    """Yield a loop over a number."""
+    value = program.values.of(node)
+    if value.kinds and not value.kinds & ~NUMBER and not program.is_tried(node):
+        text = said("{what}, which no loop goes through", what=_said(program, node, value))
+        yield Finding(node, text, said("range({number}) counts from 0", number=ast.unparse(node)))
+
+
+def _indexed(program: AnalysedProgram, node: ast.Subscript) -> Iterator[Finding]:
+    """Yield an element of a number, and an element of a list by a name."""
+    value = program.values.of(node.value)
+    if not value.kinds or program.is_tried(node):
+        return
+    if not value.kinds & ~NUMBER:
+        text = said("{what}, and has no elements", what=_said(program, node.value, value))
+        yield Finding(node, text, "")
+    elif not value.kinds & ~ROW and not isinstance(node.slice, ast.Slice):
+        index = program.values.of(node.slice)
+        if index.kinds and not index.kinds & ~(TEXT | FLOAT | NONE):
+            text = said(
+                "elements of a list are taken by whole numbers, and {what}", what=_said(program, node.slice, index)
+            )
+            yield Finding(node, text, "the first is 0")
 
 
 def _is_zero(node: ast.BinOp) -> bool:
@@ -101,14 +150,16 @@ def _is_zero(node: ast.BinOp) -> bool:
 
 
 def _operands(
-    program: AnalysedProgram, node: ast.AST, op: ast.AST, left: ast.expr, right: ast.expr
+    program: AnalysedProgram, node: ast.AST, op: ast.AST, first: ast.expr | tuple[ast.expr, Value], right: ast.expr
 ) -> Iterator[Finding]:
+    """Yield an operator that does not take its sides; the first with its value where that is not what it is now."""
+    left, one = first if isinstance(first, tuple) else (first, program.values.of(first))
     allowed = _ALLOWED.get(type(op))
     if allowed is None or (
         isinstance(left, ast.Constant) and isinstance(right, ast.Constant) and left.value == right.value
     ):
         return
-    values = (program.values.of(left), program.values.of(right))
+    values = (one, program.values.of(right))
     if not all(value.is_known and not value.kinds & (OBJECT | SET | DICT | FUNCTION) for value in values):
         return
     one, other = values
@@ -141,6 +192,8 @@ def _advice(op: ast.AST, one: Value, other: Value) -> str:
     both = one.kinds | other.kinds
     if both & TEXT and both & NUMBER:
         return "str(x) makes a text of a number" if isinstance(op, ast.Add) else "to_num(x) makes a number of a text"
+    if both & BYTES and both & (NUMBER | TEXT):
+        return "x.decode() makes a text of bytes, and to_num(...) a number of that"
     if both & LIST and both & NUMBER:
         return "take an element, x[0], or go through the list: [2 * a for a in p]"
     if both & NONE:
@@ -175,13 +228,9 @@ def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
                 hint = "range(len(x)) counts the elements of a list"
             elif value.kinds & ~(INT | FLOAT):
                 hint = ""
-            yield Finding(
-                node,
-                said(
-                    "range takes whole numbers, and {expression} is {words}",
-                    expression=shown_source(program, node),
-                    words=words(value),
-                ),
-                hint,
-            )
+            number = value.constant if value.has_constant and value.kinds == FLOAT and abs(value.low) < inf else 0.5
+            if number == int(number):
+                hint = said("write {number}", number=int(number))
+            what = _said(program, node, value)
+            yield Finding(node, said("range takes whole numbers, and {what}", what=what), hint)
             return

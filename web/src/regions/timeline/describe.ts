@@ -82,8 +82,14 @@ function levelWords(lane: LevelLane, index: number, withLine: (line: number) => 
 
 function markLine(event: RunEvent): string {
   const place = event.line !== undefined && event.line > 0 ? `, ${text("timeline_line", { line: event.line })}` : "";
-  const words = event.type === "channel" ? said(String(event["data"])) : eventText(event);
+  const words = event.type === "channel" ? said(String(event["data"])) : (faultText(event) ?? eventText(event));
   return `${seconds(event.t)}  ${kindText(markKind(event))}${place}${words === "" ? "" : `: ${visible(words)}`}`;
+}
+
+/** Returns what a fault reports, in the language of the page; undefined of other devices, whose words are their own. */
+function faultText(event: RunEvent): string | undefined {
+  if (event.type !== "device" || event["device"] !== "fault") return undefined;
+  return `${said("fault")}: ${said(String(event["text"] ?? ""))}`;
 }
 
 /** Returns a channel by its kind, in the language of the page, and its name. */
@@ -94,7 +100,7 @@ function channelName(name: string): string {
 
 /** Returns what an entry of the table says, in the language of the page. */
 export function entryText(entry: Entry): string {
-  if (entry.event?.type !== "channel") return visible(entry.text);
+  if (entry.event?.type !== "channel") return visible((entry.event && faultText(entry.event)) ?? entry.text);
   const { kind, channel, what, data } = entry.event;
   const words = said(String(data ?? ""));
   return visible(`${said(String(kind))} ${String(channel)} ${kindText(String(what))}${words === "" ? "" : `: ${words}`}`);
