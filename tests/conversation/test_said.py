@@ -33,6 +33,8 @@ def template(node: ast.expr, named: dict[str, str]) -> str:
             return "".join(part.value if isinstance(part, ast.Constant) else "{}" for part in parts)  # type: ignore[misc]
         case ast.Name(id=name) | ast.Attribute(attr=name):
             return named.get(name, "")
+        case ast.Call(func=ast.Name(id="said"), args=[ast.Constant(value=str(text))]):
+            return re.sub(r"\{[^}]*\}", "{}", text)
         case ast.Call(func=ast.Attribute(value=inner, attr="format")):
             return template(inner, named)
         case ast.BinOp(left=left, right=right):

@@ -49,7 +49,7 @@ def test_of_some_planted_mistakes_nearly_all_are_told_at_the_right_line(small):
 @pytest.mark.slow
 def test_of_all_planted_mistakes_nearly_all_are_told():
     rows, _ = judged(everything(), COUNT, 2)
-    assert sum(what.is_told for _, what in rows) >= 0.97 * len(rows)
+    assert sum(what.is_told for _, what in rows) >= 0.95 * len(rows)
 
 
 def test_the_same_seed_plants_the_same(small):

@@ -74,8 +74,8 @@ def test_what_is_not_understood_moves_along() -> None:
             b"<EliTask><MainTask>" + b"<FolderNode>" * 201 + b"</FolderNode>" * 201 + b"</MainTask></EliTask>",
             "200 nodes",
         ),
-        ("<EliTask/>".encode("utf-16"), ": this is not UTF-8"),
-        ("<EliTask name='é'/>".encode("latin-1"), ":1:16: no XML"),
+        ("<EliTask/>".encode("utf-16"), ": the text is UTF-16, not UTF-8"),
+        ("<EliTask name='é'/>".encode("latin-1"), ":1: this is not UTF-8"),
         (b"<?xml version='1.0' encoding='gbk'?><EliTask/>", "encoding"),
     ],
 )

@@ -468,13 +468,16 @@ def test_a_speed_that_the_arm_does_not_have_is_said_if_it_matters(robot, call, w
     assert any(words in warning for warning in warnings) if words else warnings == []
 
 
-@pytest.mark.parametrize(
-    ("call", "hint"),
-    [("movej([0, -90, 90, 0, 90, 0])", "d2r"), ("movel([400, -200, 300, 3.14, 0, 0])", "400 mm are 0.4 m")],
-)
-def test_other_units_are_guessed(robot, call, hint):
-    (alarm,) = robot.run(f"def a():\n  {call}\nend\n").alarms
-    assert hint in alarm.details["hint"]
+def test_other_units_are_guessed(robot):
+    (alarm,) = robot.run("def a():\n  movej([0, -90, 90, 0, 90, 0])\nend\n").alarms
+    assert "d2r" in alarm.details["hint"]
+
+
+def test_millimetres_are_told_although_such_a_target_is_a_direction(robot):
+    run = robot.run("def a():\n  movel([400, -200, 300, 3.14, 0, 0])\nend\n")
+    (found,) = [finding for finding in run.findings if finding.code == "W231"]
+    assert "400 mm are 0.4 m" in found.hint
+    assert "are millimetres meant?" in run.alarms[0].details["hints"][0]
 
 
 @pytest.fixture

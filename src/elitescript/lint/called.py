@@ -5,13 +5,16 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from elitescript.language.scopes import Scope
 from elitescript.lint.arguments import Arguments
-from elitescript.lint.passed_values import PassedCall
 from elitescript.lint.program import AnalysedProgram, CommandCall
 from elitescript.records import NamedTuple
 from elitescript.values.description import TEXT, WHOLE
+
+if TYPE_CHECKING:
+    from elitescript.lint.passed_values import PassedCall
 
 
 class Called(NamedTuple):

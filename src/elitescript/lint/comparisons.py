@@ -55,6 +55,8 @@ def _asks_for_identity(node: ast.Compare) -> bool:
 def _identity(program: AnalysedProgram, node: ast.Compare) -> Finding:
     sign, right = ("is", "==") if isinstance(node.ops[0], ast.Is) else ("is not", "!=")
     text = said("`{sign}` asks whether both sides are one object, not whether they are equal", sign=sign)
+    if _is_measured(program.values.of(node.left)):
+        return Finding(node, text, _nearness(program.values.of(node.left), node.left))
     wanted = f"{ast.unparse(node.left)} {right} {ast.unparse(node.comparators[0])}"
     # Between the sides there are the words alone, and perhaps brackets and comments: then nothing is replaced.
     left, other = program.span(node.left), program.span(node.comparators[0])

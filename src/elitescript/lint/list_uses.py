@@ -6,6 +6,7 @@ A list is known by the place that makes it, so that it is followed through varia
 from __future__ import annotations
 
 import ast
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from typing import Final
 
@@ -19,6 +20,9 @@ JOINTS: Final = "joints"
 POSE: Final = "pose"
 _TRANSFORM: Final = "m, rad"
 """Unit of poses and transforms."""
+
+_BUFFER_FROM: Final = 3
+"""Elements that are set, from which on a list is taken for a buffer."""
 
 Given = tuple[Command, ast.Call, tuple[tuple[Param, ast.expr], ...]]
 """A call of a command, with its arguments by parameter."""
@@ -39,12 +43,16 @@ class ListUses:
         calls: of commands.
         values: what their arguments are.
         symbols: of the program.
+        elements: all that it reads and sets.
     """
 
-    __slots__ = ("_by_site", "_moved", "_symbols")
+    __slots__ = ("_by_site", "_filled", "_moved", "_symbols")
 
-    def __init__(self, calls: Iterable[Given], values: Values, symbols: Symbols) -> None:
+    def __init__(
+        self, calls: Iterable[Given], values: Values, symbols: Symbols, elements: Iterable[ast.Subscript]
+    ) -> None:
         self._symbols = symbols
+        self._filled = self._buffers(elements)
         self._by_site: dict[int, dict[str, list[Use]]] = {}
         self._moved: dict[int, set[int]] = {}
         """Lists that transforms compute, by the list that they are computed from."""
@@ -78,6 +86,8 @@ class ListUses:
                 continue
             few, many = sorted((joints, poses), key=lambda side: (len(side), -side[0].node.lineno))
             for use in few:
+                if self._key(use.node) in self._filled:
+                    continue
                 other = next((other for other in many if not self._exclude_each_other(use.node, other.node)), None)
                 if other is not None:
                     yield use, other
@@ -93,6 +103,20 @@ class ListUses:
             seen.add(site)
             open_sites |= self._moved.get(site, set()) - seen
         return False
+
+    def _buffers(self, elements: Iterable[ast.Subscript]) -> set[object]:
+        """Return the variables whose lists are filled anew, by a loop or element by element: with anything."""
+        stores: Counter[object] = Counter()
+        for node in elements:
+            if isinstance(node.ctx, ast.Store):
+                stores[self._key(node.value)] += 1 if isinstance(node.slice, ast.Constant) else _BUFFER_FROM
+        return {key for key, number in stores.items() if key is not None and number >= _BUFFER_FROM}
+
+    def _key(self, node: ast.expr) -> object:
+        """Return what identifies a variable; None for anything else."""
+        if not isinstance(node, ast.Name):
+            return None
+        return self._symbols.scope_of(node).home(node.id), node.id
 
     def _exclude_each_other(self, one: ast.expr, other: ast.expr) -> bool:
         """Return whether two nodes stand in different branches of one `if`."""

@@ -462,7 +462,7 @@ class AnalysedProgram:
 
         calls = zip(self.command_calls, self.arguments, strict=True)
         given = [(called.command, called.call, arguments.given) for called, arguments in calls]
-        return ListUses(given, self.values, self.symbols)
+        return ListUses(given, self.values, self.symbols, self.nodes(ast.Subscript))
 
     def _is_target(self, called: CommandCall | PassedCall, arguments: Arguments) -> bool:
         """Return whether a transform is computed from poses of the arm, or gives one."""

@@ -33,6 +33,11 @@ DIRECTION_M: Final = 100.0
 """From so far away on, the target of a straight line is a direction: programs of the pendant name points 1000 m away
 where the arm moves until something stops it. *Assumed*: the limit."""
 
+TOWARDS_M: Final = 1000.0
+"""How far away programs of the pendant put the target of a motion in a direction."""
+FARTHEST_REACH_M: Final = 3.0
+"""Farther than the TCP of any arm is from its base."""
+
 RADIUS_HINT: Final = "choose r up to {most:.4g}, or leave more way between the points"
 
 Six = tuple[float, float, float, float, float, float]

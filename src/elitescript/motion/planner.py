@@ -205,7 +205,9 @@ def plan_movel(
         end, refusal = reach_along(arm, limits, up_to(_BEYOND_REACH_M), q_start, *slower)
         plan = _plan_cartesian(arm, limits, q_start, up_to(end), *slower, 0.0, v_max, a_max, 0.0, is_entered)
         notes = _lowered(path.length, v, v_max, request.a, a_max, "m")
-        text = said("the line of movel cannot go on after {way:.4f} m: {why}", way=end, why=str(refusal))
+        # Places are counted on the line that was tried, whose end means nothing.
+        why = str(refusal).replace(f" of the line of {_BEYOND_REACH_M:.4f} m", "")
+        text = said("the line of movel cannot go on after {way:.4f} m: {why}", way=end, why=why)
         return replace(plan, notes=notes, obstacle=Obstacle(refusal.code, text, end, "", "m"))
     plan = _plan_cartesian(
         arm, limits, q_start, path, request.v, request.a, request.t_s, v_max, a_max, request.r, is_entered

@@ -17,6 +17,7 @@ from xml.parsers import expat
 
 from elitescript.errors import UsageError
 from elitescript.said import said
+from elitescript.untrusted.plain_text import EncodingError, plain_text
 
 BYTES_MAX: Final = 64 * 1024 * 1024
 """Bytes of a file."""
@@ -265,13 +266,15 @@ def read_document(data: bytes, name: str = "the file") -> Document:
     """
     if len(data) > BYTES_MAX:
         raise TaskFileError(name, said("the file has more than {limit} bytes", limit=BYTES_MAX))
-    _refuse_what_is_no_xml(data, name)
     try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise TaskFileError(name, said("this is not UTF-8"), line) from None
-    return _cut(text, name)
+        plain_text(data)
+    except EncodingError as error:
+        line = data.count(b"\n", 0, error.at) + 1
+        encoding = error.encoding
+        why = said("the text is {encoding}, not UTF-8", encoding=encoding) if encoding else said("this is not UTF-8")
+        raise TaskFileError(name, why, line) from None
+    _refuse_what_is_no_xml(data, name)
+    return _cut(data.decode("utf-8"), name)
 
 
 def written(document: Document) -> bytes:

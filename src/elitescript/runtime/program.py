@@ -296,13 +296,10 @@ class Program:
         made: type = self.builtins["__build_class__"](*args, **options)
         return made
 
-    def id_of(self, value: Any) -> int:
-        """See `ModulePort.id_of`."""
-        return self.bindings.identities.number(value)
-
-    def id_for_copies(self, value: Any) -> int:
-        """See `ModulePort.id_for_copies`."""
-        return self.bindings.identities.number_for_copies(value)
+    def copy_names(self) -> dict[str, dict[str, Any]]:
+        """See `ModulePort.copy_names`."""
+        identities = self.bindings.identities
+        return {"copy": {"id": identities.number_for_copies}, "threading": {"id": identities.number}}
 
     def start_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> int:
         """See `Context.start_thread`."""

@@ -36,6 +36,8 @@ def test_the_repair_writes_the_other_name():
     [
         ("part = 0", "for parts in [1, 2]:", "  textmsg(parts)", "end"),
         ("left = 1", "lift = 2", "textmsg(lift)"),
+        ("class Part:", "  pass", "end", "part = Part()"),
+        ("def count():", "  return 1", "end", "counnt = count()"),
         ("pose1 = 1", "pose2 = 2", "textmsg(pose2)"),
         ("count = 0", "cuont = 1", "textmsg(count + cuont)"),
         ("count = 0", "cuont = 1", "textmsg(count)", "textmsg(eval('1'))"),
@@ -58,6 +60,7 @@ def test_what_almost_is_one_is_not_found(lines):
         ("count", "count", False),
         ("count", "mount", False),
         ("part", "parts", False),
+        ("place", "placed", False),
         ("pose", "pose1", False),
         ("count", "conutr", False),
     ],

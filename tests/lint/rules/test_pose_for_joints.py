@@ -36,6 +36,8 @@ def test_one_list_that_goes_to_commands_as_both():
 def test_a_choice_between_two_moves_is_none():
     move = ("def go(p, straight):", "  if straight:", "    movel(p)", "  else:", "    movej(p)", "  end", "end")
     assert body(*move, BIN, "go(b, get_flag(0))") == []
+    buffer = ("b = [0] * 6", "for i in range(6):", "  b[i] = get_target_tcp_pose()[i]", "end", "movel(b)")
+    assert body(*buffer, "b[:] = get_target_joint_positions()", "movej(b)") == []
     received = "b = socket_read_ascii_float(6)[1:]"
     assert "W237" not in [row.split()[0] for row in body(received, "movel(b)", "movej(b)")]
 

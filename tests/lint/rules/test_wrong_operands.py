@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.lint.checking import body
+from tests.lint.checking import body, only
 
 
 @pytest.mark.parametrize(
@@ -51,3 +51,20 @@ def test_it_is_found(lines):
 )
 def test_what_almost_is_one_is_not_found(lines):
     assert "W264" not in [problem.split()[0] for problem in body(*lines)]
+
+
+@pytest.mark.parametrize(
+    ("line", "text", "hint"),
+    [
+        ("textmsg(range(4.0))", "range takes whole numbers, and `4.0` is", "write 4"),
+        (
+            "textmsg(serial_read(4, False) > 2)",
+            None,
+            "x.decode() makes a text of bytes, and to_num(...) a number of that",
+        ),
+    ],
+)
+def test_the_hint_says_what_to_write(line, text, hint):
+    problem = only(f"def job():\n  {line}\nend\n")
+    assert problem.hint == hint
+    assert text is None or problem.text.startswith(text)

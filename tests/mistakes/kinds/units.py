@@ -11,6 +11,7 @@ from tests.mistakes.planting import Edit, Program, kind
 GROUP = "units"
 _JOINT_ROLES = ("joints",)
 _POSE_UNIT = "m, rad"
+_LONGEST_MS = 60_000.0
 
 
 def number_of(node: ast.expr | None) -> float | None:
@@ -46,7 +47,10 @@ def fits(meaning: str, meanings: tuple[str, ...]) -> bool:
 
 @kind(GROUP, "milliseconds for seconds")
 def milliseconds(program: Program) -> Iterator[Edit]:
-    yield from _scaled(program, "s", 1000.0)
+    for edit in _scaled(program, "s", 1000.0):
+        # Longer times are hardly written in milliseconds.
+        if (number_of(ast.parse(edit.new, mode="eval").body) or 0.0) < _LONGEST_MS:
+            yield edit
 
 
 @kind(GROUP, "degrees for radians: joint positions")

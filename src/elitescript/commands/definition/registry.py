@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import hypot
 from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
 
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
 from elitescript.commands.definition.results import COMPUTED, Result
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError, UsageError
-from elitescript.messages.motion import DIRECTION_M
+from elitescript.messages.motion import FARTHEST_REACH_M, TOWARDS_M
 from elitescript.messages.profile import release_of
 from elitescript.records import NamedTuple
 from elitescript.said import Said, counted, said
@@ -480,8 +481,8 @@ class _Details:
 
 
 def _is_direction(target: Any, doubt: Doubt) -> bool:
-    """Return whether a doubtful target of `movel` is a direction, as the scripts of the pendant compute it."""
-    return doubt.code == "W231" and doubt.element is not None and abs(target[doubt.element]) >= DIRECTION_M
+    """Return whether a doubtful target of `movel` is a direction as scripts of the pendant compute it: 1000 m away."""
+    return doubt.code == "W231" and abs(hypot(*target[:3]) - TOWARDS_M) <= FARTHEST_REACH_M
 
 
 def _judged(params: tuple[Param, ...]) -> tuple[tuple[int, Param, Judge, bool], ...]:

@@ -26,6 +26,7 @@ from elitescript.said import said
 _FOREIGN: Final = frozenset(("exec", "eval", "interpreter_mode", "globals", "locals", "vars"))
 """Functions through which other texts may read a variable."""
 _SHORTEST: Final = 4
+_VARIABLES: Final = ("assign", "augmented", "annotated", "walrus", "for", "with", "parameter")
 
 
 @rule(code="W223", since="0.3", needs_all_lines=True)
@@ -70,7 +71,9 @@ def _meant(
     while True:
         if place not in known:
             names = program.symbols.global_names if place is None else place.bindings
-            known[place] = Spellings(other for other in names if place is None or (place, other) in read)
+            known[place] = Spellings(
+                other for other in names if place is None or ((place, other) in read and _is_variable(other, place))
+            )
         if meant := known[place].nearest(name):
             return meant
         if place is None:
@@ -78,9 +81,14 @@ def _meant(
         place = place.parent
 
 
+def _is_variable(name: str, scope: Scope) -> bool:
+    """Return whether a name is no function, class or module: `part = Part()` is no slip."""
+    return all(binding.kind in _VARIABLES for binding in scope.bindings[name])
+
+
 class Spellings:
     """Finds the names that differ from another by a slip of a finger: two letters in each other's place, a letter more
-    or less, capitals. Another letter makes another word, `left` and `lift`; another digit, or an `s`, another thing.
+    or less, capitals. Another letter makes another word, `left` and `lift`; another digit, or an end, another thing.
 
     Args:
         names: to find.
@@ -101,9 +109,8 @@ class Spellings:
 
 
 def _shorter(name: str) -> list[str]:
-    """Return what is left of a name without one of its letters; not of a plural without its `s`."""
+    """Return what is left of a name without a letter, but not without its last one: `parts` and `placed` are words."""
     if len(name) <= _SHORTEST:
         return []
-    last = len(name) - 1
-    places = [at for at, sign in enumerate(name) if sign.isalpha() and not (at == last and sign == "s")]
+    places = [at for at, sign in enumerate(name[:-1]) if sign.isalpha()]
     return [name[:at] + name[at + 1 :] for at in places]

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from math import inf
 from typing import Final
 
 from elitescript.language.symbols import Resolution
@@ -191,6 +192,8 @@ def _advice(op: ast.AST, one: Value, other: Value) -> str:
     both = one.kinds | other.kinds
     if both & TEXT and both & NUMBER:
         return "str(x) makes a text of a number" if isinstance(op, ast.Add) else "to_num(x) makes a number of a text"
+    if both & BYTES and both & (NUMBER | TEXT):
+        return "x.decode() makes a text of bytes, and to_num(...) a number of that"
     if both & LIST and both & NUMBER:
         return "take an element, x[0], or go through the list: [2 * a for a in p]"
     if both & NONE:
@@ -225,13 +228,9 @@ def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
                 hint = "range(len(x)) counts the elements of a list"
             elif value.kinds & ~(INT | FLOAT):
                 hint = ""
-            yield Finding(
-                node,
-                said(
-                    "range takes whole numbers, and {expression} is {words}",
-                    expression=shown_source(program, node),
-                    words=words(value),
-                ),
-                hint,
-            )
+            number = value.constant if value.has_constant and value.kinds == FLOAT and abs(value.low) < inf else 0.5
+            if number == int(number):
+                hint = said("write {number}", number=int(number))
+            what = _said(program, node, value)
+            yield Finding(node, said("range takes whole numbers, and {what}", what=what), hint)
             return

@@ -355,7 +355,7 @@ def _group(name: str, _run: Bindings) -> type[Exception]:
 
     def refuse(cls: type, *args: Any, **options: Any) -> NoReturn:
         raise ScriptPermissionError(
-            f"{name} is not available to programs",
+            said("{name} is not available to programs", name=name),
             command=name,
             hint="raise one exception; it can hold others in a list",
         )

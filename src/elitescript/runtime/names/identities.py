@@ -94,11 +94,11 @@ class Identities:
         return self._add(value) if entry is None else entry[0]
 
     def number_for_copies(self, value: Any) -> int:
-        """Return the number of an object; 0 for one that has none yet and is its own copy."""
+        """Return the number of an object; 0 for a value that is its own copy, of which `copy` notes nothing."""
+        if type(value) in _OWN_COPIES:
+            return 0
         entry = self._known.get(id(value))
-        if entry is not None:
-            return entry[0]
-        return 0 if type(value) in _OWN_COPIES else self._add(value)
+        return self._add(value) if entry is None else entry[0]
 
     def hash_of(self, value: Any) -> int:
         """Return `hash(value)`; the number of an object whose hash would follow from its address."""

@@ -80,11 +80,8 @@ class ModulePort(Protocol):
     def build_class(self, *args: Any, **options: Any) -> type:
         """Make a class, as the statement does."""
 
-    def id_for_copies(self, value: Any) -> int:
-        """Return the `id` of an object for the module `copy`."""
-
-    def id_of(self, value: Any) -> int:
-        """Return the `id` of an object."""
+    def copy_names(self) -> dict[str, dict[str, Any]]:
+        """Return names that private copies find before they run, by module: `id`."""
 
 
 class ModuleShelf:
@@ -174,7 +171,7 @@ class ModuleShelf:
             self._loader = CopyLoader(
                 {**replacements, **_REPLACEMENTS},
                 self._port.build_class,
-                {"copy": {"id": self._port.id_for_copies}, "threading": {"id": self._port.id_of}},
+                self._port.copy_names(),
             )
         outer = self._is_loading_threads
         self._is_loading_threads = outer or name in ("queue", "threading")

@@ -15,6 +15,7 @@ from elitescript.runtime.names.context import Context
 from elitescript.runtime.names.reading import predefined_call
 from elitescript.runtime.why.facts import Facts
 from elitescript.runtime.why.setters import Setters
+from elitescript.said import joined, said
 from elitescript.values.concrete import UNKNOWN, MissingName, Refusal, computed, truth
 
 SHOWN_MAX: Final = 80
@@ -81,13 +82,10 @@ class Conditions:
             scope: in which it stands.
             loop: which it decides.
         """
-        said: dict[str, None] = {}
-        for part in self._parts(test, names, scope, loop, 0):
-            said[part] = None
-        parts = list(said)
+        parts = list(dict.fromkeys(self._parts(test, names, scope, loop, 0)))
         for part in self._line_ends(test, names):
             parts.append(part)
-        return ": " + ", ".join(parts[:ATOMS_MAX]) if parts else ""
+        return said(": {values}", values=joined(", ", parts[:ATOMS_MAX])) if parts else ""
 
     # ---------------------------------------------------------------- parts
 
@@ -104,7 +102,7 @@ class Conditions:
             elif isinstance(node, ast.Attribute | ast.Subscript):
                 value = self._value(node, names)
                 if type(value) in _PLAIN:
-                    yield f"{self.text(node)} is {shown(value)}"
+                    yield said("{text} is {value}", text=self.text(node), value=shown(value))
                 inner = [node.slice] if isinstance(node, ast.Subscript) else []
                 stack += [part for part in inner if type(value) in _PLAIN] or [node.value]
             elif not isinstance(node, ast.Lambda | ast.ListComp | ast.GeneratorExp | ast.SetComp | ast.DictComp):
@@ -117,7 +115,7 @@ class Conditions:
         is_parameter = loop is None and scope is not None and node.id in scope.parameters
         if type(value) in _PLAIN and not is_parameter:
             about = "" if scope is None else self._setters.words(node.id, scope, loop, self)
-            yield f"{node.id} is {shown(value)}{about}"
+            yield said("{name} is {value}{about}", name=node.id, value=shown(value), about=about)
 
     def _call(
         self, node: ast.Call, names: Mapping[str, Any], scope: Scope | None, loop: ast.stmt | None, depth: int
@@ -135,7 +133,7 @@ class Conditions:
             for argument in node.args:
                 yield from self._parts(argument, names, scope, loop, depth)
         elif type(value) in _SCALARS:
-            yield f"{text} is {shown(value)}"
+            yield said("{text} is {value}", text=text, value=shown(value))
             if name != "len":
                 scalars = [part for part in node.args if type(self._value(part, names)) in _SCALARS]
                 for part in scalars:
@@ -146,7 +144,7 @@ class Conditions:
             )
             last = self._last_read(name, arguments)
             if last is not UNKNOWN:
-                yield f"{text} gave {shown(last)} last"
+                yield said("{text} gave {last} last", text=text, last=shown(last))
             for part in node.args:
                 yield from self._parts(part, names, scope, loop, depth)
 
@@ -154,14 +152,14 @@ class Conditions:
         """Return the level of a point of the signal image, since when, and what may set it."""
         row = SIGNALS.get(family)
         name = family if row is None or row.size == 1 else point_names(family)[index]
-        facts = [f"it {history}"] if (history := self._facts.history(name)) else []
+        facts = [said("it {history}", history=history)] if (history := self._facts.history(name)) else []
         in_program = self._setters.of_point(family, index)
         around = self._facts.setters(name)
         facts += [*in_program, *(around or [])]
         if not in_program and around == []:
             facts.append("nothing here sets it")
         about = f" ({', '.join(facts[:-1])}{' and ' if facts[1:] else ''}{facts[-1]})" if facts else ""
-        return f"{name} is {shown(value)}{about}"
+        return said("{name} is {value}{about}", name=name, value=shown(value), about=about)
 
     def _modbus(self, node: ast.Call, names: Mapping[str, Any], value: Any) -> str:
         name = self._value(node.args[0], names) if node.args else ""
@@ -171,7 +169,7 @@ class Conditions:
                 about = " (the device has not answered)"
         except (DebugError, ElitescriptError):
             pass
-        return f"the MODBUS signal {name!r} is {shown(value)}{about}"
+        return said("the MODBUS signal {name!r} is {value}{about}", name=name, value=shown(value), about=about)
 
     def _own_call(self, node: ast.Call, names: Mapping[str, Any], depth: int) -> Iterator[str]:
         """Yield what a function of the program gives, and what it reads; it is not run."""
@@ -181,7 +179,7 @@ class Conditions:
         function, inner, scope = found
         value = self._value(node, names)
         if type(value) in _SCALARS:
-            yield f"{self.text(node)} is {shown(value)}"
+            yield said("{text} is {value}", text=self.text(node), value=shown(value))
         returned = _only_value(function)
         if returned is not None:
             yield from self._parts(returned, inner, scope, None, depth + 1)
@@ -217,7 +215,7 @@ class Conditions:
             if isinstance(node, ast.Compare) and len(node.ops) == 1 and isinstance(node.ops[0], ast.Eq | ast.NotEq):
                 left, right = self._seen(node.left, names), self._seen(node.comparators[0], names)
                 if isinstance(left, str) and isinstance(right, str) and left != right and left.strip() == right.strip():
-                    yield f"{left!r} and {right!r} differ by a line end or blanks"
+                    yield said("{left!r} and {right!r} differ by a line end or blanks", left=left, right=right)
 
     def _seen(self, node: ast.expr, names: Mapping[str, Any]) -> Any:
         value = self._value(node, names)

@@ -25,6 +25,7 @@ from elitescript.runtime.why.conditions import Conditions, cut, shown
 from elitescript.runtime.why.facts import Facts
 from elitescript.runtime.why.loops import EXITS_MAX, Exit, exits, loops_at, scope_at
 from elitescript.runtime.why.setters import Setters
+from elitescript.said import Said, joined, said
 from elitescript.values.concrete import UNKNOWN
 
 _DATA_MAX: Final = 80
@@ -85,7 +86,7 @@ class Reasons:
         loop = self._loop(strand)
         if reason == TIME_TO_GO_BY and not loop:
             return self._call(strand)
-        return "; ".join(filter(None, (data, loop)))
+        return joined("; ", filter(None, (data, loop)))
 
     # ---------------------------------------------------------------- loops
 
@@ -114,43 +115,74 @@ class Reasons:
                 names = {**frame.f_globals, **frame.f_locals}
                 scope = scope_at(self._symbols, loops[0].lineno)
                 chosen = [loop for loop in (loops[0], around) if loop is not None]
-                return "; ".join(self._words(loop, names, scope, strand, line) for loop in dict.fromkeys(chosen))
+                return joined("; ", (self._words(loop, names, scope, strand, line) for loop in dict.fromkeys(chosen)))
         return ""
 
     def _words(
         self, loop: ast.While | ast.For, names: Mapping[str, Any], scope: Scope, strand: Strand, line: int
     ) -> str:
         conditions = self._conditions
-        where = "" if loop.lineno == line else f" in line {loop.lineno}"
+        where = "" if loop.lineno == line else said(" in line {line}", line=loop.lineno)
         if isinstance(loop, ast.For):
             head = cut(f"for {ast.unparse(loop.target)} in {conditions.text(loop.iter)}")
-            now_at = [f"{name} is {shown(names[name])}" for name in _names_in(loop.target) if name in names]
-            return f"`{head}`{where} is not finished{': ' if now_at else ''}{', '.join(now_at)}"
+            now_at = [
+                said("{name} is {value}", name=name, value=shown(names[name]))
+                for name in _names_in(loop.target)
+                if name in names
+            ]
+            if now_at:
+                return said(
+                    "`{head}`{where} is not finished: {now_at}", head=head, where=where, now_at=", ".join(now_at)
+                )
+            return said("`{head}`{where} is not finished", head=head, where=where)
         since = self._since(strand.loops.get(loop.lineno))
         if not isinstance(loop.test, ast.Constant):
             if strand.waits_for not in ("", TIME_TO_GO_BY) and line <= (loop.test.end_lineno or line):
                 # What the condition is depends on what the thread waits for.
-                text = f"`while {conditions.text(loop.test)}`{where} goes on{since}"
-                return text + conditions.values(loop.test, names, scope, loop)
-            now = " and is false by now" if conditions.holds(loop.test, names) is False else ""
+                values = conditions.values(loop.test, names, scope, loop)
+                return said(
+                    "`while {text}`{where} goes on{since}{values}",
+                    text=conditions.text(loop.test),
+                    where=where,
+                    since=since,
+                    values=values,
+                )
+            now = Said(" and is false by now") if conditions.holds(loop.test, names) is False else ""
             values = conditions.values(loop.test, names, scope, loop)
-            return f"`{conditions.text(loop.test)}`{where} has been true{since}{now}{values}"
-        head = f"`while {conditions.text(loop.test)}`{where or f' in line {loop.lineno}'}"
+            return said(
+                "`{text}`{where} has been true{since}{now}{values}",
+                text=conditions.text(loop.test),
+                where=where,
+                since=since,
+                now=now,
+                values=values,
+            )
+        head = said(
+            "`while {text}`{where}",
+            text=conditions.text(loop.test),
+            where=where or said(" in line {line}", line=loop.lineno),
+        )
         ways = exits(loop)
         if not ways:
-            return f"{head} has no end"
-        said = [self._exit(way, names, scope, loop, since) for way in ways[:EXITS_MAX]]
-        more = f", or in one of {len(ways) - EXITS_MAX} further ways" if len(ways) > EXITS_MAX else ""
-        return f"{head} ends {' or '.join(said)}{more}"
+            return said("{head} has no end", head=head)
+        ends = joined(" or ", (self._exit(way, names, scope, loop, since) for way in ways[:EXITS_MAX]))
+        more = said(", or in one of {count} further ways", count=len(ways) - EXITS_MAX) if len(ways) > EXITS_MAX else ""
+        return said("{head} ends {ends}{more}", head=head, ends=ends, more=more)
 
     def _exit(self, way: Exit, names: Mapping[str, Any], scope: Scope, loop: ast.While, since: str) -> str:
         is_true = self._conditions.holds(way.condition, names)
-        state = ", which is true by now" if is_true else f", which has been false{since}"
+        state = Said(", which is true by now") if is_true else said(", which has been false{since}", since=since)
         values = self._conditions.values(way.condition, names, scope, loop)
-        return f"in line {way.line} when `{self._conditions.text(way.condition)}`{state}{values}"
+        return said(
+            "in line {line} when `{text}`{state}{values}",
+            line=way.line,
+            text=self._conditions.text(way.condition),
+            state=state,
+            values=values,
+        )
 
     def _since(self, tick: int | None) -> str:
-        return "" if tick is None else f" since {seconds(tick - self._start_tick):g} s"
+        return "" if tick is None else said(" since {seconds:g} s", seconds=seconds(tick - self._start_tick))
 
     def _call(self, strand: Strand) -> str:
         """Return since when a call that only takes time goes on."""
@@ -159,7 +191,11 @@ class Reasons:
             return ""
         text = self._unit.source.line(strand.line_of(frame)).strip()
         since, until = self._since(strand.work_tick), seconds(strand.until - self._start_tick)
-        return f"`{cut(text)}` goes on{since} and until {until:g} s" if text else ""
+        return (
+            said("`{text}` goes on{since} and until {until:g} s", text=cut(text), since=since, until=until)
+            if text
+            else ""
+        )
 
     def _frame_in(self, scope: Scope) -> tuple[str, int, Mapping[str, Any]] | None:
         """Return a thread that is in a function: its name, the line there, and the variables."""
@@ -178,16 +214,26 @@ class Reasons:
         if holder is None:
             return ""
         name = self._lock_name(strand)
-        which = f"the lock `{name}`" if name else "the lock"
+        which = said("the lock `{name}`", name=name) if name else Said("the lock")
         if holder is strand and self._is_in_library(strand):
             # A condition, an event or a queue, which have a lock for each thread that waits.
             return "no thread has ended that wait"
         if holder is strand:
-            return f"it holds {which} itself"
+            return said("it holds {which} itself", which=which)
         if holder.state is ENDED:
-            return f"{holder.name} holds {which} and has ended"
-        wait = f", waiting for {holder.waits_for}" if holder.waits_for not in ("", TIME_TO_GO_BY) else ""
-        return f"{holder.name} holds {which} and is in line {holder.line}{wait}"
+            return said("{holder} holds {which} and has ended", holder=holder.name, which=which)
+        wait = (
+            said(", waiting for {waits_for}", waits_for=holder.waits_for)
+            if holder.waits_for not in ("", TIME_TO_GO_BY)
+            else ""
+        )
+        return said(
+            "{holder} holds {which} and is in line {line}{wait}",
+            holder=holder.name,
+            which=which,
+            line=holder.line,
+            wait=wait,
+        )
 
     def _is_in_library(self, strand: Strand) -> bool:
         frame = strand.called_from_script()
@@ -207,13 +253,15 @@ class Reasons:
                 continue
             if connection.received:
                 data = bytes(connection.received[:_DATA_MAX])
-                there = f"{data.decode('utf-8', 'backslashreplace')!r} is there"
+                there = said("{data!r} is there", data=data.decode("utf-8", "backslashreplace"))
                 lacks = getattr(connection.rule, "lacks", None)
                 if lacks is None:
                     return there
                 what, wanted = lacks(data)
-                return f"{there}, {wanted}" if what == "count" else f"{there}, its {what} {wanted!r} has not come"
-            since = f"nothing has come{self._since(strand.work_tick)}"
+                if what == "count":
+                    return said("{there}, {count}", there=there, count=wanted)
+                return said("{there}, its {part} {mark!r} has not come", there=there, part=Said(what), mark=wanted)
+            since = said("nothing has come{since}", since=self._since(strand.work_tick))
             sent = self._facts.sent(*connection.log.place)
             return f"{since}; {sent}" if sent else since
         return ""

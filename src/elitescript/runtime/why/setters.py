@@ -10,6 +10,7 @@ from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
 from elitescript.messages.signals import point_names
 from elitescript.runtime.why.loops import scope_at
+from elitescript.said import Said, said
 
 LINES_MAX: Final = 4
 """Most lines that are named."""
@@ -76,12 +77,17 @@ class Setters:
             elif place is not scope_at(self._symbols, loop.lineno):
                 elsewhere.append((binding.line, binding.node, place))
         if inside:
-            return f" ({_lines(inside)} of the loop {_sets(inside)} it)"
+            return said(" ({lines} of the loop {sets} it)", lines=_lines(inside), sets=_sets(inside))
         if elsewhere:
             return self._elsewhere(elsewhere, conditions)
         own = self._own_ones(name, home, scope)
         if own:
-            return f" (nothing changes it: {_lines(own)} {_sets(own)} a variable of {_its(own)} own)"
+            return said(
+                " (nothing changes it: {lines} {sets} a variable of {its} own)",
+                lines=_lines(own),
+                sets=_sets(own),
+                its=_its(own),
+            )
         if home is None and name not in self._symbols.global_names:
             return ""
         return " (nothing changes it)"
@@ -90,11 +96,15 @@ class Setters:
         """Return which lines of other functions set a variable, and what keeps a single one from it."""
         lines = [line for line, _, _ in found]
         if len(found) > 1:
-            return f" ({_lines(lines)} {_sets(lines)} it)"
+            return said(" ({lines} {sets} it)", lines=_lines(lines), sets=_sets(lines))
         line, node, place = found[0]
         where = self._frame_of(place)
         if where is None:
-            return f" (line {line} sets it, in {place.name}, which no thread runs now)" if place.name else ""
+            return (
+                said(" (line {line} sets it, in {place}, which no thread runs now)", line=line, place=place.name)
+                if place.name
+                else ""
+            )
         thread, at, names = where
         guards = [
             above.test
@@ -102,12 +112,18 @@ class Setters:
             if isinstance(above, ast.If) and any(part is node or _contains(part, node) for part in above.body)
         ]
         if not guards:
-            return f" (line {line} sets it, and {thread} is in line {at})"
+            return said(" (line {line} sets it, and {thread} is in line {at})", line=line, thread=thread, at=at)
         guard = guards[0]
         is_true = conditions.holds(guard, names)
-        state = "" if is_true is None else f", which is {'true' if is_true else 'false'} now"
+        state = "" if is_true is None else Said(", which is true now" if is_true else ", which is false now")
         inner = conditions.values(guard, names, place, None)
-        return f" (line {line} sets it when `{conditions.text(guard)}`{state}{inner})"
+        return said(
+            " (line {line} sets it when `{text}`{state}{inner})",
+            line=line,
+            text=conditions.text(guard),
+            state=state,
+            inner=inner,
+        )
 
     def _own_ones(self, name: str, home: Scope | None, scope: Scope) -> list[int]:
         """Return lines that give the same name in other functions another variable: `global` or `nonlocal` misses."""
@@ -129,8 +145,8 @@ class Setters:
                     elif given.value == index:
                         lines.append(call.lineno)
         if lines:
-            return [f"{_lines(lines)} {_sets(lines)} it"]
-        return [] if is_certain else [f"a line may set {point_names(family)[index]}"]
+            return [said("{lines} {sets} it", lines=_lines(lines), sets=_sets(lines))]
+        return [] if is_certain else [said("a line may set {point}", point=point_names(family)[index])]
 
 
 def _is_in(loop: ast.stmt, line: int) -> bool:
@@ -144,7 +160,7 @@ def _contains(node: ast.AST, other: ast.AST) -> bool:
 def _lines(lines: Iterable[int]) -> str:
     found = sorted(set(lines))
     text = ", ".join(map(str, found[:LINES_MAX])) + (", …" if len(found) > LINES_MAX else "")
-    return f"line{'s' if len(found) > 1 else ''} {text}"
+    return said("lines {lines}" if len(found) > 1 else "line {lines}", lines=text)
 
 
 def _sets(lines: Iterable[int]) -> str:
