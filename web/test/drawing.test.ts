@@ -4,6 +4,7 @@ import { Studio } from "../src/model/studio.ts";
 import { Drawing } from "../src/regions/robot/drawing.ts";
 import type { AlarmReport, FromSource, Moment, Scene, Six } from "../src/source/messages.ts";
 import type { Column } from "../src/source/rows.ts";
+import { NO_ALARM_PARTS } from "./fake.ts";
 
 const ZERO: Six = [0, 0, 0, 0, 0, 0];
 const SCENE = {
@@ -136,7 +137,7 @@ test("ghosts: at the time that is pointed at, of a line at its first visit; none
 });
 
 test("an alarm about a target shows it: as an arm, or as a frame where only the pose is known", () => {
-  const alarm: AlarmReport = { t: 4, line: 2, column: 1, code: "C204", text: "out of range", hints: [], limit: "joint 3: 3.2 rad, limit 3.05 rad" };
+  const alarm: AlarmReport = { ...NO_ALARM_PARTS, t: 4, line: 2, column: 1, code: "C204", text: "out of range", hints: [], limit: "joint 3: 3.2 rad, limit 3.05 rad" };
   const page = new Page();
   page.run(1, 4);
   page.end(1, 4, { ...alarm, asked_joints: [0, 0, 3.2, 0, 0, 0] });

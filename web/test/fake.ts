@@ -78,3 +78,8 @@ export function opened(): { source: FakeSource; studio: Studio } {
 export async function settled(): Promise<void> {
   for (let turn = 0; turn < 8; turn++) await Promise.resolve();
 }
+
+/** The parts of a text without values, and of a hint that is not there. */
+export const NO_PARTS = { template: "", values: {}, hint_template: "", hint_values: {} } as const;
+/** The same of an alarm. */
+export const NO_ALARM_PARTS = { template: "", values: {}, hint_parts: [] } as const;
