@@ -120,9 +120,12 @@ def _statement(where: ast.stmt) -> ast.If:
 
 
 def _marked(loop: ast.While) -> ast.If:
-    """Return a loop behind its mark, `if @loop(line):`, which is always true."""
+    """Return a loop behind its mark, `if @loop(("@loop", line)):`, which is always true.
+
+    No other constant is like that of a mark, so two programs whose lines alone differ have equal code but for marks.
+    """
     mark = _call(LOOP, loop)
-    mark.args.append(ast.copy_location(ast.Constant(loop.lineno), mark))
+    mark.args.append(ast.copy_location(ast.Constant((LOOP, loop.lineno)), mark))
     return ast.copy_location(ast.If(mark, [loop], []), mark)
 
 

@@ -34,7 +34,7 @@ HOOKS: Final[dict[str, str]] = {
     LINE: '`(number, label, after=None) -> None`: the program reached a `$ LINE: (number, "label")` mark',
     ATTRIBUTE: "`(object, name) -> value`: stands for `object.name`; `name` is one of `policy.GUARDED_ATTRIBUTES`",
     WATCHED: "what looks at the statements of the run: empty unless a debugger is attached",
-    LOOP: "`(line) -> True`: the thread comes to a loop in which it may wait",
+    LOOP: "`(mark) -> True`: the thread comes to a loop in which it may wait; the mark is this name and the line",
     AT: "`(number) -> None`: a statement of the program comes next; called only while `@watched` is not empty",
 }
 """Names that the builtins of a run must hold besides what scripts may call.

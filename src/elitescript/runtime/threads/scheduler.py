@@ -438,11 +438,15 @@ class Scheduler:
         del fuel[-count:]
         return True
 
-    def note_loop(self, line: int) -> bool:
-        """Keep that the running strand comes to a loop in which it may wait; return True."""
+    def note_loop(self, mark: tuple[str, int]) -> bool:
+        """Keep that the running strand comes to a loop in which it may wait; return True.
+
+        Args:
+            mark: the name of the hook, and the line of the loop.
+        """
         strand = self.current
         if strand is not None:
-            strand.loops[line] = self.now
+            strand.loops[mark[1]] = self.now
         return True
 
     def spend_refusal(self, *, moves: bool) -> None:

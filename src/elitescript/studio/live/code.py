@@ -8,6 +8,7 @@ from types import CodeType
 from typing import Any
 
 from elitescript.language.compiler import CompiledUnit
+from elitescript.language.hooks import LOOP
 
 
 def digest_of(unit: CompiledUnit, settings: Any) -> str:
@@ -57,6 +58,13 @@ def _parts(unit: CodeType) -> Iterator[Any]:
             *(code.co_name, code.co_qualname, code.co_flags, code.co_code, code.co_exceptiontable),
             *(code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount),
             *(code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars),
-            [None if isinstance(constant, CodeType) else constant for constant in code.co_consts],
+            [_without_line(constant) for constant in code.co_consts],
             [(column, end_column) for _, _, column, end_column in code.co_positions()],
         )
+
+
+def _without_line(constant: object) -> object:
+    """Return a constant as it is compared: the mark of a loop without its line."""
+    if isinstance(constant, CodeType):
+        return None
+    return LOOP if isinstance(constant, tuple) and constant[:1] == (LOOP,) else constant
