@@ -67,9 +67,14 @@ def render(run: Run) -> str:
 def event_line(event: object) -> str:
     """One event as a line of text."""
     tick = getattr(event, "tick", 0)
-    line = getattr(event, "line", "-")
+    line = event.line if "line" in names_of(event) else "-"
     thread = getattr(event, "thread", "-") or "-"
     return f"{tick:>7} {line:>4} {thread} {_name(event)} {_fields(event, PLACE)}".rstrip()
+
+
+def names_of(event: object) -> set[str]:
+    """Return the fields of an event: all events have a line, 0 where it is no field."""
+    return {field.name for field in dataclasses.fields(event)}  # type: ignore[arg-type]
 
 
 def _name(thing: object) -> str:

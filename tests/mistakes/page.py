@@ -54,7 +54,7 @@ Anything else is another line.
 _CASES: Final = """
 ## Programs that hold what people report
 
-The pages in [tests/mistakes/cases](../../tests/mistakes/cases/README.md) are {count} programs with mistakes from
+The pages in `tests/mistakes/cases` are {count} programs with mistakes from
 forums and issues, written anew, and some of the same kinds. What `check` and the run say, with code and line, is in
 the programs, and must be that and nothing else.
 

@@ -142,7 +142,14 @@ class InputHandlers:
             probe=probe,
             workshop=workshop if options.compiles_elsewhere else None,
         )
-        self.tasks: Tasks = Tasks(self._controller, self._host, self.programs, environment, options.configuration)
+        self.tasks: Tasks = Tasks(
+            self._controller,
+            self._host,
+            self.programs,
+            environment,
+            options.configuration,
+            reads_trees=options.reads_trees,
+        )
 
     @property
     def is_waiting(self) -> bool:

@@ -436,6 +436,9 @@ class RobotOptions:
     compiles_elsewhere: bool = option(
         False, "whether long programs are compiled in another process, and begin when they come back from there"
     )
+    reads_trees: bool = option(
+        True, "whether a task is run from the tree in its file; journals of versions that did not are replayed without"
+    )
     confirms_popups: bool = option(
         False, "confirm popups that block at once; if not, a client of the dashboard does", Switch()
     )

@@ -80,6 +80,7 @@ class Tasks:
         programs: starts them.
         environment: the task folder, and the network to clients that have the program of a task.
         configuration: path of the configuration that is loaded at the start.
+        reads_trees: whether a task is run from the tree in its file.
     """
 
     __slots__ = (
@@ -94,6 +95,7 @@ class Tasks:
         "_loaded",
         "_making",
         "_programs",
+        "_reads_trees",
         "_shown",
     )
 
@@ -104,8 +106,11 @@ class Tasks:
         programs: Programs,
         environment: ProgramEnvironment,
         configuration: str,
+        *,
+        reads_trees: bool = True,
     ) -> None:
         self._controller = controller
+        self._reads_trees = reads_trees
         self._host = host
         self._programs = programs
         self._files = environment.files
@@ -242,7 +247,7 @@ class Tasks:
 
     def _is_tree(self, name: str) -> bool:
         """Return whether a file is a graphical program: XML, where older tasks here hold a line, or nothing."""
-        if not is_task_name(name) or self._files.kind(name) != "file":
+        if not self._reads_trees or not is_task_name(name) or self._files.kind(name) != "file":
             return False
         with self._files.open(name, "rb", None, None) as file:
             return b"<EliTask" in bytes(file.read(_HEAD_BYTES))

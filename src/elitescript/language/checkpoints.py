@@ -24,7 +24,7 @@ swallow it.
 from __future__ import annotations
 
 import ast
-from typing import Final
+from typing import Any, Final
 
 from elitescript.language.hooks import CHECKPOINT, LOOP, PAY, RANGE, STOP, TICK
 from elitescript.language.kinds import is_text
@@ -125,7 +125,8 @@ def _marked(loop: ast.While) -> ast.If:
     No other constant is like that of a mark, so two programs whose lines alone differ have equal code but for marks.
     """
     mark = _call(LOOP, loop)
-    mark.args.append(ast.copy_location(ast.Constant((LOOP, loop.lineno)), mark))
+    constant: Any = (LOOP, loop.lineno)
+    mark.args.append(ast.copy_location(ast.Constant(constant), mark))
     return ast.copy_location(ast.If(mark, [loop], []), mark)
 
 

@@ -49,7 +49,7 @@ class MotionLimits:
                 raise UsageError(f"the range of joint {joint} is empty: {low} to {high} rad")
         for name in ("qd_max", "qdd_max"):
             for joint, limit in zip(JOINT_NAMES, getattr(self, name), strict=True):
-                _require_positive(said("{name} of joint {joint}", name=name, joint=joint), limit)
+                _require_positive(f"{name} of joint {joint}", limit)
         for name in ("tool_speed_max", "tool_acceleration_max", "equivalent_radius_m"):
             _require_positive(name, getattr(self, name))
 

@@ -184,7 +184,7 @@ class _HttpConnection(TcpConnection):
             except (TypeError, OverflowError) as error:
                 raise TypeError(f"{name} returned {result!r}, which XML-RPC cannot carry: {error}") from None
         except RpcFault as fault:
-            text = dumps(Fault(fault.code, fault.text), methodresponse=True)
+            text = dumps(Fault(fault.code, str(fault.text)), methodresponse=True)
         if delay_s > 0.0:
             self._is_busy = True
             self.after(delay_s, self._respond, 200, "OK", text.encode(), is_last)

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from types import CodeType
 from typing import Any, overload
 
+from elitescript.codec.values import read_text
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.probes import CountedBranch, CountedFunction, CountedStatement, ProbeTable
@@ -103,7 +104,12 @@ class Loading:
             at = len(self._values) - count
             self._values[at:] = [code.replace(co_consts=tuple(self._values[at:]))]
         elif mark == PROBLEMS:
-            self._problems += [Diagnostic(code, Severity(severity), *rest) for code, severity, *rest in value]
+            self._problems += [
+                Diagnostic(
+                    code, Severity(severity), line, column, end_line, end_column, read_text(text), read_text(hint)
+                )
+                for code, severity, line, column, end_line, end_column, text, hint in value
+            ]
         elif mark == UNIT:
             self._unit = self._made(*value)
         elif mark == END:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from types import CodeType
 from typing import Any, Final
 
+from elitescript.codec.values import with_parts, write_text
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.lint.engine import CheckResult
 
@@ -65,7 +66,12 @@ def _pieces(result: CheckResult) -> Iterator[tuple[bytes, Any]]:
 def _problem(found: Diagnostic) -> tuple[Any, ...]:
     """Return a finding without its repair, which no run needs."""
     place = (found.line, found.column, found.end_line, found.end_column)
-    return (found.code, str(found.severity), *place, found.text, found.hint)
+    return (
+        found.code,
+        str(found.severity),
+        *place,
+        *(with_parts(write_text(text)) for text in (found.text, found.hint)),
+    )
 
 
 def _function(code: CodeType, sizes: dict[int, int]) -> Iterator[tuple[bytes, Any]]:

@@ -240,7 +240,8 @@ class JournalReader:
                 )
             self.is_metered = self.header.get("metered") is True
             if self.old is None:
-                self.options = options_from_data(self.header["options"])
+                # Versions that did not write this option ran the script beside a tree.
+                self.options = options_from_data({"reads_trees": False, **self.header["options"]})
             else:
                 self.options = self.old.options(self.header["config"])
         except (ValueError, KeyError, TypeError, RecursionError) as error:
