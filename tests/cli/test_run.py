@@ -104,7 +104,7 @@ def test_a_run_in_spite_of_errors_says_why(program, capsys):
     told = capsys.readouterr().err
     assert told.count(": error E301: ") == 2
     assert told.endswith(
-        "2 errors: their lines raise exceptions, which the program may catch, so it runs anyway; --strict refuses it\n"
+        "2 errors: their lines raise an exception. A program can catch exceptions, so it runs. --strict refuses it\n"
     )
 
 

@@ -138,9 +138,7 @@ def _kind(name: str) -> str:
 
 
 _NUMBERS: Final = ("int", "float", "bool")
-_NO_VALUE: Final = (
-    "None is what a function returns that ends without `return`, and what a command without a result gives"
-)
+_NO_VALUE: Final = "A command without a result gives None, and so does a function that ends without `return`"
 
 
 # ---------------------------------------------------------------- operators

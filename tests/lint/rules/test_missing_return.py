@@ -84,4 +84,4 @@ def test_callers_that_get_along_with_none_are_no_use(use):
 
 def test_the_message_says_where_it_returns_and_who_uses_it():
     text = "def job():\n  def f(n):\n    if n:\n      return 1\n  textmsg(f(0) + 1)\nend\n"
-    assert only(text).text == ("`f` returns a value in line 4, but none when it comes to its end, and line 5 uses it")
+    assert only(text).text == ("`f` returns a value in line 4, and none at its end; line 5 uses it")

@@ -17,6 +17,7 @@ from elitescript.language.diagnostics import Diagnostic, Fix, Severity, to_json
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.fixing import Repair
 from elitescript.records import NamedTuple
+from elitescript.said import parts_of
 from elitescript.shown import encodable, shown, shown_word
 
 TYPE_CHECKING = False
@@ -161,6 +162,8 @@ class SarifReport(CheckReport):
             "level": _LEVELS[problem.severity],
             "message": {"text": _plain(text)},
             "locations": [{"physicalLocation": {"artifactLocation": artifact, "region": region}}],
+            # In another language a reader makes the text of these.
+            "properties": _encodable({**parts_of(problem.text), **parts_of(problem.hint, "hint_")}),
         }
         if problem.fix is not None:
             result["fixes"] = [_sarif_fix(problem.fix, artifact)]
@@ -275,3 +278,10 @@ def _sarif_rule(code: str) -> dict[str, Any]:
         "help": {"text": body(code), "markdown": markdown(code)},
         "defaultConfiguration": {"level": row.default_severity},
     }
+
+
+def _encodable(value: Any) -> Any:
+    """Return parts of a text as UTF-8 can have them."""
+    if isinstance(value, dict):
+        return {name: _encodable(part) for name, part in value.items()}
+    return encodable(value) if isinstance(value, str) else value

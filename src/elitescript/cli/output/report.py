@@ -273,8 +273,8 @@ RunReport = JsonRunReport | TextRunReport
 
 
 def _why_it_runs(errors: int) -> str:
-    found = "1 error: its line raises an exception" if errors == 1 else f"{errors} errors: their lines raise exceptions"
-    return f"{found}, which the program may catch, so it runs anyway; --strict refuses it"
+    found = "1 error: its line raises" if errors == 1 else f"{errors} errors: their lines raise"
+    return f"{found} an exception. A program can catch exceptions, so it runs. --strict refuses it"
 
 
 def _where(robot: VirtualRobot, wall_s: float) -> str:

@@ -373,7 +373,7 @@ class _BlockReader:
         if left:
             block, leaver = left
             hint = said(
-                "the {label} of line {line} already ended before line {leaver_line}",
+                "the {label} of line {line} ends in front of line {leaver_line}",
                 label=block.label,
                 line=block.header.line,
                 leaver_line=leaver.line,

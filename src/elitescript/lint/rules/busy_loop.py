@@ -35,7 +35,7 @@ def busy_loop(program: AnalysedProgram) -> Iterator[Finding]:
     unfinished = {above for word in words for above in symbols.ancestors(word)}
     for loop in loops:
         if loop not in unfinished and analyst.is_busy(loop):
-            text = "this loop never waits: no call in it takes time, so it starves the other threads"
+            text = "this loop never waits: no call in it takes time, and no other thread runs meanwhile"
             yield Finding(program.header_span(loop), text, "put sync() or sleep(0.01) into it")
         elif loop not in unfinished and analyst.polls(loop):
             text = "this loop never waits: it asks for the same moment in each turn, until its counter ends it"

@@ -45,8 +45,7 @@ def missing_return(program: AnalysedProgram) -> Iterator[Finding]:
             yield Finding(
                 program.name_span(function, function.name),
                 said(
-                    "`{function}` returns a value in line {first}, but none when it comes to its end, and "
-                    "line {used} uses it",
+                    "`{function}` returns a value in line {first}, and none at its end; line {used} uses it",
                     function=function.name,
                     first=first,
                     used=used,

@@ -28,9 +28,7 @@ def program_name(program: AnalysedProgram) -> Iterator[Finding]:
     if parsed.unit is not None:
         for use in program.unknown:
             if use.name == parsed.name:
-                text = said(
-                    "`{name}` is the name of this program, not of a function: it is not defined here", name=use.name
-                )
+                text = said("`{name}` is the name of this program; no function here has this name", name=use.name)
                 hint = "for a loop write `while True:`; for a function, `def` inside the program"
                 yield Finding(use.node, text, hint)
     if parsed.kind == SCRIPT:
