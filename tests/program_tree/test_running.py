@@ -153,3 +153,11 @@ class TestNodesAreNamed:
         path.write_bytes(b"<EliTask>\n  <MainTask>\n</EliTask>")
         assert main(["check", str(path)]) == 3
         assert "cell.task:3:3: error E004: no XML: mismatched tag" in capsys.readouterr().out
+
+
+def test_the_formatter_leaves_trees_alone(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path, nodes.Halt())
+    before = path.read_bytes()
+    assert main(["fmt", str(path)]) == 0
+    assert path.read_bytes() == before
+    assert "1 file with a tree left: their scripts are generated" in capsys.readouterr().err

@@ -12,6 +12,7 @@ from elitescript.cli.output.screen import progress_on
 from elitescript.cli.program_texts import ProgramText, program_texts, rewrite, write_out
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import SourceFile
+from elitescript.paths import is_task_name
 from elitescript.shown import shown, shown_word
 
 TYPE_CHECKING = False
@@ -26,7 +27,7 @@ def fmt(options: argparse.Namespace) -> int:
     """Lay out the files of the command line; return the exit code."""
     if not options.files:
         raise UsageError("name files or folders, or - for standard input")
-    changed = kept = refused = left = unsafe = 0
+    changed = kept = refused = left = unsafe = trees = 0
     is_missing = False
     report = CheckReport(sys.stderr)
     progress = progress_on(sys.stderr)
@@ -37,6 +38,9 @@ def fmt(options: argparse.Namespace) -> int:
             refused += 1
             is_missing |= text.is_named
             print(f"elitescript fmt: {shown_word(text.name)}: {shown(text.why_not)}", file=sys.stderr)
+            continue
+        if text.path is not None and is_task_name(text.path.name):
+            trees += 1
             continue
         result = _formatted(text.name, text.data, is_pendant=options.pendant)
         if result.changed_line:
@@ -61,7 +65,7 @@ def fmt(options: argparse.Namespace) -> int:
             write_out(data)
         elif is_changed:
             rewrite(text.path, data)
-    print(_summary(changed, kept, left, refused, unsafe, is_dry=options.check or options.diff), file=sys.stderr)
+    print(_summary(changed, kept, left, trees, refused, unsafe, is_dry=options.check or options.diff), file=sys.stderr)
     if is_missing:
         return NOT_FOUND
     if refused or unsafe:
@@ -92,7 +96,7 @@ def _rows(pieces: list[str]) -> list[str]:
     return [*(f"{piece}\n" for piece in pieces[:-1]), *([pieces[-1]] if pieces[-1] else [])]
 
 
-def _summary(changed: int, kept: int, left: int, refused: int, unsafe: int, *, is_dry: bool) -> str:
+def _summary(changed: int, kept: int, left: int, trees: int, refused: int, unsafe: int, *, is_dry: bool) -> str:
     parts = [
         f"{_count(changed)} {'would be ' if is_dry else ''}formatted",
         f"{kept} unchanged",
@@ -101,6 +105,8 @@ def _summary(changed: int, kept: int, left: int, refused: int, unsafe: int, *, i
         parts.append(f"{_count(left)} of the pendant left as {'it is' if left == 1 else 'they are'} (see --pendant)")
     if unsafe:
         parts.append(f"{_count(unsafe)} left because a line would run in another way")
+    if trees:
+        parts.append(f"{_count(trees)} with a tree left: their scripts are generated")
     if refused:
         parts.append(f"{_count(refused)} cannot be read")
     return ", ".join(parts)
