@@ -254,6 +254,12 @@ class TestPrograms:
         with pytest.raises(UsageError, match=r"only a\.script is open"):
             programs.path("b.script")
 
+    def test_a_graphical_program_is_no_text_to_edit(self, tmp_path):
+        with pytest.raises(
+            UsageError, match=r"the studio edits scripts; `elitescript task .*cell\.task -o .*cell\.script`"
+        ):
+            Programs(tmp_path / "cell.task")
+
     def test_a_file_that_does_not_exist_yet_needs_its_folder(self, tmp_path: Path) -> None:
         assert Programs(tmp_path / "new.script").names() == ["new.script"]
         with pytest.raises(UsageError, match="there is no folder"):

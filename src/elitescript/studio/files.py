@@ -14,7 +14,7 @@ from elitescript.conversation.messages import TEXT_MAX
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import BOM, SourceFile
 from elitescript.outputs.writing import write_file
-from elitescript.paths import PROGRAM_SUFFIX, is_program_name
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
 from elitescript.records import NamedTuple
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
@@ -80,6 +80,12 @@ class Programs:
             is_folder = real.is_dir()
         except (OSError, ValueError, RuntimeError) as error:
             raise UsageError(f"{path}: {error}") from None
+        if not is_folder and is_task_name(real.name):
+            # Its text is generated: what is saved would take the place of the tree.
+            script = path.with_suffix(PROGRAM_SUFFIX)
+            raise UsageError(
+                f"{path}: the studio edits scripts; `elitescript task {path} -o {script}` makes one of this task"
+            )
         self.only: str | None = None if is_folder else real.name
         self.folder = real if is_folder else real.parent
         if not self.folder.is_dir():
