@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from functools import wraps
+from pathlib import Path
 from typing import Annotated, Any, Final, Literal, NotRequired, ParamSpec, TypeVar, cast
 
 from mcp.server.mcpserver import MCPServer
@@ -36,6 +37,7 @@ from elitescript.mcp.answers import (
 from elitescript.mcp.debugged import DebuggedRuns
 from elitescript.mcp.folder import Folder
 from elitescript.mcp.workers import ask_once
+from elitescript.paths import is_task_name
 from elitescript.shown import shown
 from elitescript.untrusted.files import PROGRAM, read_bytes
 
@@ -180,7 +182,7 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
         request: dict[str, Any] = {name: value for name, value in settings.items() if value is not None}
         if file is not None:
             path = folder.file(file, ".script", ".task", ".txt")
-            source = SourceFile.from_bytes(file, read_bytes(path, _PROGRAM))
+            source = _source(file, path)
             request |= {"name": file, "text": source.text, "task_dir": str(path.parent)}
         else:
             assert text is not None
@@ -385,3 +387,12 @@ def _registrar(server: MCPServer) -> Callable[[ToolAnnotations], Callable[[Calla
         return register
 
     return registered
+
+
+def _source(file: str, path: Path) -> SourceFile:
+    """Return the text of a program, that of a graphical one as it is generated."""
+    if is_task_name(path.name):
+        from elitescript.environment.task_files import source_of_task
+
+        return source_of_task(path)
+    return SourceFile.from_bytes(file, read_bytes(path, _PROGRAM))
