@@ -25,6 +25,8 @@ NO_FIGURE = (
     (SPEED, "`python -m benchmarks --against CHECKOUT NAME`"),
     (SPEED, "`SERVING_SECONDS=600 python -m benchmarks.serving`"),
     (SPEED, "`python -m benchmarks growth` tabulates"),
+    (RECORDS + "0030-growth.md", "`python -m benchmarks.growth checks straight`"),
+    (RECORDS + "0030-growth.md", "`python -m benchmarks observed --against CHECKOUT`"),
     (SPEED, "`GROWTH_HOURS=240 python -m benchmarks growth`"),
     (SPEED, "- **Serving.**"),
     (RECORDS + "0005-the-jail.md", "- A tick costs a way to the child and back"),

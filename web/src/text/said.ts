@@ -90,6 +90,7 @@ export const SAID: readonly (readonly [english: string, chinese: string])[] = [
   ["{1}: only {2} is open; start the studio with its folder for others", "{1}：只打开了 {2}；其他文件请用其文件夹启动 studio"],
   ["{1}: the relative path of a {2} file is needed", "{1}：需要 {2} 文件的相对路径"],
   ["{1}: there is no folder {2}", "{1}：没有文件夹 {2}"],
+  ["{1}: the studio edits scripts; `elitescript task {2} -o {3}` makes one of this task", "{1}：工作室编辑脚本；`elitescript task {2} -o {3}` 可由该任务生成脚本"],
   ["there is no file {1}", "没有文件 {1}"],
   ["{1}: only {2} are loaded", "{1}：只加载 {2}"],
   ["--urdf {1}:{2}: it is not UTF-8: {3}", "--urdf {1}:{2}：不是 UTF-8：{3}"],

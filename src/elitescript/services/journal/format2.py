@@ -96,7 +96,7 @@ class Format2:
             raise CodecError(f"the options of format {FORMAT} have {len(_CONFIG)} fields")
         values = dict(zip(_CONFIG, data, strict=True))
         faults = tuple(_fault(text) for text in values.pop(_FAULTS))
-        return replace(options_from_data(values), faults=faults, reads_trees=False)
+        return replace(options_from_data(values), faults=faults)
 
     def input(self, data: Any) -> Input:
         """Return an input of a tick.

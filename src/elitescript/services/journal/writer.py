@@ -38,6 +38,7 @@ from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
+from elitescript.records import replace
 from elitescript.said import said
 from elitescript.services.journal import format2
 from elitescript.services.journal.file import JournalFile
@@ -243,7 +244,7 @@ class JournalReader:
                 # Versions that did not write this option ran the script beside a tree.
                 self.options = options_from_data({"reads_trees": False, **self.header["options"]})
             else:
-                self.options = self.old.options(self.header["config"])
+                self.options = replace(self.old.options(self.header["config"]), reads_trees=False)
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             at = getattr(error, "at", 0)
             raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error
