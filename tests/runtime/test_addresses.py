@@ -1,5 +1,6 @@
 import pytest
 
+from elitescript.runtime import addresses
 from elitescript.runtime.environment import bytes_without_addresses, without_addresses
 
 
@@ -31,3 +32,13 @@ def test_objects_that_are_gone_are_where_others_are():
 def test_other_texts_stay(text):
     assert without_addresses(text) == text
     assert bytes_without_addresses(text.encode()) == text.encode()
+
+
+def test_a_piece_of_memory_that_was_never_asked_for_is_looked_for(monkeypatch):
+    """Whatever the number of objects was at the last look."""
+    memory = addresses._Memory()
+    monkeypatch.setattr(addresses.sys, "getallocatedblocks", lambda: 5000)
+    pump = Pump()
+    assert not memory.holds(0x10)
+    memory._pieces.clear()
+    assert memory.holds(id(pump))

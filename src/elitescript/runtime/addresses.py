@@ -18,6 +18,8 @@ _PIECE_BITS: Final = 20
 """Python takes memory for small objects in pieces of 2**20 bytes, which begin at multiples of that."""
 _BLOCKS: Final = 1000
 """Fewer objects than a piece of memory holds."""
+_ABSENT_MAX: Final = 64
+"""Pieces of memory, each with no object at its first look, for which objects are looked for at once."""
 
 
 def without_addresses(text: str) -> str:
@@ -32,20 +34,27 @@ def _without_one(match: re.Match[str]) -> str:
 class _Memory:
     """The pieces of memory of this process that hold objects; one process has one."""
 
-    __slots__ = ("_blocks", "_pieces")
+    __slots__ = ("_absent", "_blocks", "_pieces")
 
     def __init__(self) -> None:
         self._pieces: set[int] = set()
+        self._absent: set[int] = set()
         self._blocks = -_BLOCKS
 
     def holds(self, address: int) -> bool:
         """Return whether there are objects beside this address."""
         piece = address >> _PIECE_BITS
-        if piece not in self._pieces and abs(sys.getallocatedblocks() - self._blocks) >= _BLOCKS:
+        if piece in self._pieces:
+            return True
+        # The number of objects may be what it was although pieces came and went, so a new one is always looked for.
+        is_new = piece not in self._absent and len(self._absent) < _ABSENT_MAX
+        if is_new or abs(sys.getallocatedblocks() - self._blocks) >= _BLOCKS:
             # Those of Python itself are not among the collector's.
             known = [*gc.get_objects(), *vars(builtins).values(), *range(-5, 257)]
             self._pieces.update(id(value) >> _PIECE_BITS for value in known)
             self._blocks = sys.getallocatedblocks()
+            if is_new and piece not in self._pieces:
+                self._absent.add(piece)
         return piece in self._pieces
 
 
