@@ -92,7 +92,7 @@ def outcome(case: Case, folder: Path) -> Outcome:
     if case.world:
         world = folder / "world.toml"
         world.write_text(case.world, encoding="utf-8")
-    robot = VirtualRobot(None if world else "CS66", world=world)
+    robot = VirtualRobot(None if world else "CS66", world=world, task_dir={})
     ticks = 0
 
     def watch(tick: int) -> None:

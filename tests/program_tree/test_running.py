@@ -167,3 +167,18 @@ def test_agents_get_the_script_of_a_tree(tmp_path: Path) -> None:
     server = pytest.importorskip("elitescript.mcp.server")
     path = written(tmp_path, nodes.Halt(type_name="Halt"))
     assert '$ LINE: (3, "Halt")' in server._source("cell.task", path).text
+
+
+@pytest.mark.parametrize(
+    "call", [("task", "cell.task", "-o"), ("run", "cell.task", "--trace"), ("plot", "cell.task", "-o")]
+)
+def test_no_output_takes_the_place_of_a_configuration(
+    call: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path, nodes.Halt())
+    path = tmp_path / "inst.configuration.variables"
+    path.write_text("<VariablesManager/>")
+    assert main([*call, path.name]) == 2
+    assert "a configuration beside the task" in capsys.readouterr().err
+    assert path.read_text() == "<VariablesManager/>"

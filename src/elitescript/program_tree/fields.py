@@ -66,27 +66,46 @@ class Field(Protocol):
         """Return the element with these values; `indent` is that of its first tag."""
 
 
-class Attribute:
-    """An attribute; a text that its table does not have is the value itself, so that it can be refused by name."""
+class Named:
+    """A text that stands for a value; one that the table does not have is the value itself, to be refused by name.
 
-    __slots__ = ("absent", "attribute", "names", "texts", "values")
+    Args:
+        name: the field of the record.
+        place: the name of the attribute or element that holds the text.
+        values: the value of each text; None: the text is the value.
+        absent: the value where there is none.
+    """
 
-    def __init__(self, name: str, attribute: str, values: Mapping[str, Any] | None = None, absent: Any = "") -> None:
+    __slots__ = ("absent", "names", "place", "texts", "values")
+
+    def __init__(self, name: str, place: str, values: Mapping[str, Any] | None = None, absent: Any = "") -> None:
         self.names = (name,)
-        self.attribute = attribute
+        self.place = place
         self.values = values
         self.texts = {value: text for text, value in reversed(list((values or {}).items()))}
         self.absent = absent
 
+    def value(self, text: str) -> Any:
+        """Return what a text stands for."""
+        return text if self.values is None else self.values.get(text.strip(), text)
+
+    def text(self, value: Any) -> str | None:
+        """Return the text of a value; None: it is left out."""
+        found = value if self.values is None else self.texts.get(value, value)
+        return None if found is None else str(found)
+
+
+class Attribute(Named):
+    """An attribute."""
+
+    __slots__ = ()
+
     def read(self, element: Element, objects: Objects) -> tuple[Any, ...]:
-        text = element.attributes.get(self.attribute)
-        if text is None:
-            return (self.absent,)
-        return (text if self.values is None else self.values.get(text, text),)
+        text = element.attributes.get(self.place)
+        return (self.absent if text is None else self.value(text),)
 
     def write(self, element: Element, values: tuple[Any, ...], objects: Objects, indent: str) -> Element:
-        text = self.texts.get(values[0], values[0]) if self.values is not None else values[0]
-        return element.with_attribute(self.attribute, None if text is None else str(text))
+        return element.with_attribute(self.place, self.text(values[0]))
 
 
 BOOLEANS: Final = {"true": True, "false": False}
@@ -103,39 +122,30 @@ class Count(Attribute):
     __slots__ = ()
 
     def read(self, element: Element, objects: Objects) -> tuple[Any, ...]:
-        text = element.attributes.get(self.attribute, "")
+        text = element.attributes.get(self.place, "")
         return (int(text) if re.fullmatch(r"-?[0-9]{1,9}", text) else text or self.absent,)
 
 
-class ChildText:
+class ChildText(Named):
     """The text of an element, or its attribute `referenceName`."""
 
-    __slots__ = ("absent", "child", "names", "texts", "values")
-
-    def __init__(self, name: str, child: str, values: Mapping[str, Any] | None = None, absent: Any = "") -> None:
-        self.names = (name,)
-        self.child = child
-        self.values = values
-        self.texts = {value: text for text, value in reversed(list((values or {}).items()))}
-        self.absent = absent
+    __slots__ = ()
 
     def read(self, element: Element, objects: Objects) -> tuple[Any, ...]:
-        child = element.child(self.child)
+        child = element.child(self.place)
         if child is None:
             return (self.absent,)
         child = objects.held(child)
-        text = child.text if child.content else child.attributes.get("referenceName", "")
-        return (text if self.values is None else self.values.get(text.strip(), text),)
+        return (self.value(child.text if child.content else child.attributes.get("referenceName", "")),)
 
     def write(self, element: Element, values: tuple[Any, ...], objects: Objects, indent: str) -> Element:
-        value = values[0]
-        if value is None:
-            return _without(element, self.child)
-        text = str(self.texts.get(value, value) if self.values is not None else value)
-        child = element.child(self.child)
+        text = self.text(values[0])
+        if text is None:
+            return _without(element, self.place)
+        child = element.child(self.place)
         if child is not None and "referenceName" in child.attributes and not child.content:
             return _with(element, child.with_attribute("referenceName", text), indent)
-        return _with(element, (child or made(self.child)).with_text(text), indent)
+        return _with(element, (child or made(self.place)).with_text(text), indent)
 
 
 class ChildQuantity:
