@@ -42,3 +42,9 @@ def test_a_piece_of_memory_that_was_never_asked_for_is_looked_for(monkeypatch):
     assert not memory.holds(0x10)
     memory._pieces.clear()
     assert memory.holds(id(pump))
+
+
+def test_an_object_without_a_collector_alone_in_its_piece_of_memory_is_found(monkeypatch):
+    monkeypatch.setattr(addresses, "_PIECE_BITS", 4)
+    kept = [object()]
+    assert addresses._Memory().holds(id(kept[0]))

@@ -49,8 +49,10 @@ class _Memory:
         # The number of objects may be what it was although pieces came and went, so a new one is always looked for.
         is_new = piece not in self._absent and len(self._absent) < _ABSENT_MAX
         if is_new or abs(sys.getallocatedblocks() - self._blocks) >= _BLOCKS:
-            # Those of Python itself are not among the collector's.
-            known = [*gc.get_objects(), *vars(builtins).values(), *range(-5, 257)]
+            # Objects without references of their own are not among the collector's: those that hold them are. Those
+            # of Python itself are in neither.
+            tracked = gc.get_objects()
+            known = [*tracked, *gc.get_referents(*tracked), *vars(builtins).values(), *range(-5, 257)]
             self._pieces.update(id(value) >> _PIECE_BITS for value in known)
             self._blocks = sys.getallocatedblocks()
             if is_new and piece not in self._pieces:
