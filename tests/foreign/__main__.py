@@ -15,7 +15,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -26,7 +25,7 @@ from typing import Any, Final
 from tests.foreign.comparing import IS_DIFFERENT, Cause, Verdict, compare
 from tests.foreign.known import load_known
 from tests.foreign.page import PAGE, Result, page, table
-from tests.foreign.running import Outcome, run_all, warm_up
+from tests.foreign.running import Outcome, on_python, run_all, warm_up
 from tests.foreign.slicing import Case, cases
 from tests.foreign.sources import GROUPS, Library, tests_folder
 
@@ -64,7 +63,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.show:
         return _show(list(chosen))
     began_s = time.monotonic()
-    result = Result.of(list(judged(chosen, options.width, options.list)), load_known(), is_whole=not options.only)
+    rows = list(judged(chosen, options.width))
+    if options.list:
+        options.list.write_text("".join(map(recorded, rows)), encoding="utf-8")
+    result = Result.of([(case, verdict) for case, verdict, _ in rows], load_known(), is_whole=not options.only)
     print(table(result))
     for line in result.lines():
         print(line)
@@ -85,10 +87,21 @@ def chosen_cases(library: Library, only: Sequence[str]) -> Iterator[Case]:
                         yield case
 
 
-def judged(chosen: Iterator[Case], width: int, record: Path | None = None) -> Iterator[tuple[Case, Verdict]]:
-    """Run tests on both sides, and yield how each came out."""
+def recorded(row: tuple[Case, Verdict, dict[str, Outcome]]) -> str:
+    """Return a line of the list."""
+    case, verdict, outcomes = row
+    sides = {side: asdict(outcome) for side, outcome in outcomes.items()} if verdict.cause in IS_DIFFERENT else {}
+    return (
+        json.dumps({"test": case.name, "group": case.group, "cause": verdict.cause, "text": verdict.text, **sides})
+        + "\n"
+    )
+
+
+def judged(chosen: Iterator[Case], width: int) -> Iterator[tuple[Case, Verdict, dict[str, Outcome]]]:
+    """Run tests on both sides, and yield how each came out; where they differ, CPython once more in a fresh process."""
     warm_up()
     found: dict[str, tuple[Case, dict[str, Outcome]]] = {}
+    different: dict[str, tuple[Case, dict[str, Outcome], Verdict]] = {}
     unsliced: list[Case] = []
 
     def jobs() -> Iterator[tuple[Any, str, str]]:
@@ -100,7 +113,6 @@ def judged(chosen: Iterator[Case], width: int, record: Path | None = None) -> It
             for side in ("python", "robot"):
                 yield (case.name, side), side, case.text
 
-    out = record.open("w", encoding="utf-8") if record else None
     count = 0
     for (name, side), outcome in run_all(jobs(), width):
         case, outcomes = found[name]
@@ -112,33 +124,21 @@ def judged(chosen: Iterator[Case], width: int, record: Path | None = None) -> It
         if count % 500 == 0:
             print(f"... {count} programs", file=sys.stderr, flush=True)
         verdict = compare(outcomes["python"], outcomes["robot"])
-        if verdict.cause in IS_DIFFERENT and varies(case, outcomes["python"]):
+        if verdict.cause in IS_DIFFERENT:
+            different[name] = (case, outcomes, verdict)
+        else:
+            yield case, verdict, outcomes
+    for name, outcome in run_all(((name, "fresh", case.text) for name, (case, _, _) in different.items()), width):
+        case, outcomes, verdict = different[name]
+        if compare(outcomes["python"], outcome).cause in IS_DIFFERENT:
             verdict = Verdict(Cause.VARIES, verdict.text)
-        if out is not None:
-            sides = {key: asdict(value) for key, value in outcomes.items()} if verdict.cause in IS_DIFFERENT else {}
-            row = {"test": name, "group": case.group, "cause": verdict.cause, "text": verdict.text, **sides}
-            print(json.dumps(row), file=out, flush=True)
-        yield case, verdict
+        yield case, verdict, outcomes
     for case in unsliced:
-        yield case, Verdict(Cause.UNSLICED, case.why)
-
-
-def varies(case: Case, before: Outcome) -> bool:
-    """Return whether CPython alone gives something else in another process, with another seed of hashes."""
-    environment = {**os.environ, "PYTHONHASHSEED": "random"}
-    call = [sys.executable, "-m", "tests.foreign", "--again"]
-    try:
-        ended = subprocess.run(call, input=case.text.encode(), env=environment, capture_output=True, timeout=60)
-        after = Outcome(**json.loads(ended.stdout))
-    except (subprocess.TimeoutExpired, ValueError, TypeError):
-        return False
-    return compare(before, after).cause in IS_DIFFERENT
+        yield case, Verdict(Cause.UNSLICED, case.why), {}
 
 
 def _again() -> int:
-    text = sys.stdin.buffer.read().decode()
-    for _, outcome in run_all([("", "python", text)], 1):
-        print(json.dumps(asdict(outcome)))
+    print(json.dumps(asdict(on_python(sys.stdin.buffer.read().decode()))))
     return 0
 
 

@@ -14,6 +14,7 @@ import os
 import resource
 import selectors
 import signal
+import subprocess
 import sys
 import time
 import traceback
@@ -118,7 +119,19 @@ def on_robot(text: str) -> Outcome:
     return _outcome(names, None, 0)
 
 
-SIDES: Final[dict[str, Callable[[str], Outcome]]] = {"python": on_python, "robot": on_robot}
+def on_fresh_python(text: str) -> Outcome:
+    """Run a program by CPython in a process that is no fork, with another seed of hashes, other addresses and times."""
+    call = [sys.executable, "-m", "tests.foreign", "--again"]
+    environment = {**os.environ, "PYTHONHASHSEED": "random"}
+    ended = subprocess.run(call, input=text.encode(), env=environment, capture_output=True, timeout=WALL_S)
+    return Outcome(**json.loads(ended.stdout))
+
+
+SIDES: Final[dict[str, Callable[[str], Outcome]]] = {
+    "python": on_python,
+    "robot": on_robot,
+    "fresh": on_fresh_python,
+}
 
 
 def warm_up() -> None:

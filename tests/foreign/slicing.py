@@ -21,6 +21,8 @@ ALWAYS: Final = frozenset(
 RUNNER: Final = ("Namespace", "foreign_run", "foreign_notes", "foreign_end")
 SUPPORT: Final = ("support", "support.os_helper", "support.threading_helper", "support.warnings_helper")
 """Modules that give what has no stand-in."""
+SEEDED: Final = "import random as foreign_random\nforeign_random.seed(1)"
+"""Stands before the tests that draw numbers, so that both sides draw the same."""
 TEXT_MAX: Final = 200_000
 """Characters of a program; the data of some tests are larger than any program."""
 BUILT_IN: Final = frozenset(dir(builtins)) | {"__name__", "__file__", "__doc__"}
@@ -258,9 +260,10 @@ class _Slice:
         names = {name for _, piece in self.chosen.values() for name in piece.names}
         shared = sorted((declared & names) | {"foreign_notes", "foreign_end"})
         first = ["from __future__ import annotations"] if self.module.has_text_annotations else []
+        seeded = [SEEDED] if "random" in self.words else []
         owner = next(iter(self.chosen.values()))[1].names[0]
         last = f"foreign_run({owner}, {self.method!r})\n"
-        return "\n".join([*first, f"global {', '.join(shared)}", *self.stars.values(), *parts, last])
+        return "\n".join([*first, f"global {', '.join(shared)}", *seeded, *self.stars.values(), *parts, last])
 
     def _in_order(self) -> list[tuple[Module, Piece]]:
         """Return what was chosen, modules that are imported before those that import them."""
