@@ -35,7 +35,8 @@ COPIED_NAMES: Final[dict[str, str]] = {
     "dataclasses": "FrozenInstanceError InitVar KW_ONLY MISSING asdict astuple dataclass field fields is_dataclass"
     " replace",
     "datetime": "MAXYEAR MINYEAR UTC date datetime time timedelta timezone tzinfo",
-    "enum": "Enum Flag IntEnum IntFlag StrEnum auto member nonmember unique",
+    "enum": "CONTINUOUS Enum Flag IntEnum IntFlag NAMED_FLAGS ReprEnum StrEnum UNIQUE auto member nonmember property"
+    " unique verify",
     "fractions": "Fraction",
     "functools": "cache cached_property cmp_to_key lru_cache partial partialmethod reduce total_ordering",
     "json": "JSONDecodeError JSONDecoder JSONEncoder dump dumps load loads",

@@ -297,13 +297,19 @@ def _annotations(cls: type) -> dict[str, Any]:
     return dict(vars(cls).get("__annotations__", {}))
 
 
+def _signature(cls: type) -> str:
+    from elitescript.runtime.stdlib.signatures import signature_of
+
+    return signature_of(cls)
+
+
 _REPLACEMENTS: Final[dict[str, Any]] = {
     "_datetime": ABSENT,
     "_queue": ABSENT,
     "inspect": SimpleNamespace(
         get_annotations=_annotations,
         getattr_static=lambda *args: real("inspect").getattr_static(*args),
-        signature=lambda function: "",
+        signature=_signature,
         unwrap=lambda function: function,
     ),
     "os": SimpleNamespace(),
