@@ -40,10 +40,11 @@ class Verdict(NamedTuple):
 _PLACE: Final = re.compile(r"(?: at)? 0x[0-9a-fA-F]+")
 _POLICY: Final = re.compile(
     r"not available|of the robot has no|the robot's \w+ does not have|is not (?:allowed|possible)|belongs? to Python"
-    r"|programs cannot|to programs"
+    r"|programs cannot|to programs|the module '\w+' cannot be changed|\btype\(\) takes one object"
+    r"|has no terminal to read"
 )
 _TEXTS: Final = re.compile(
-    r"name '(?:compile|exec|globals|locals|vars|__import__|open|input|breakpoint)' is not defined"
+    r"name '(?:compile|globals|locals|vars)' is not defined|\b(?:eval|exec)\(\) takes|nested too deeply to be compiled"
 )
 
 

@@ -12,16 +12,16 @@ from elitescript.runtime.stdlib.signatures import signature_of
 
 
 class Plain:
-    def __init__(self, a, b=2, /, c: int = 3, *rest: float, d, e: "str" = "x", **others: Any) -> None:
+    def __init__(self, a, b=2, /, c: int = 3, *rest: float, d, e: Any = "x", **others: Any) -> None:
         pass
 
 
 class Simple:
-    def __init__(self, x: list[int], y: Optional[int] = None, *, z: deque = deque()) -> None:  # noqa: B008
+    def __init__(self, x, y=None, *, z: object = ("x",)) -> None:
         pass
 
 
-Simple.__init__.__annotations__.update(x=list[int], y=Optional[int], z=deque)
+Simple.__init__.__annotations__.update(x=list[int], y=Optional[int], z=deque, **{"return": None})  # noqa: UP045
 
 
 class Positional:

@@ -17,7 +17,7 @@ from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
 from elitescript.language.modules import AVAILABLE, COPIED_NAMES, NETWORK, SHARED, SHARED_NAMES
-from elitescript.language.policy import is_dunder
+from elitescript.language.policy import is_attribute_allowed, is_dunder
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
@@ -147,6 +147,8 @@ class ModuleShelf:
             return path
         if name in SHARED_NAMES:
             names = _chosen(vars(real(name)), SHARED_NAMES[name])
+            if name == "operator":
+                names |= _special_names(vars(real(name)), names)
             names = {key: forwarded(item) if type(item) is FunctionType else item for key, item in names.items()}
         elif name in COPIED_NAMES:
             names = _chosen(vars(self.copy(name)), COPIED_NAMES[name])
@@ -197,6 +199,15 @@ def _chosen(space: dict[str, Any], wanted: str) -> dict[str, Any]:
         public = space.get("__all__") or [name for name in space if not name.startswith("_")]
         return {name: space[name] for name in public if not isinstance(space[name], ModuleType)}
     return {name: space[name] for name in wanted.split() if name in space}
+
+
+def _special_names(space: dict[str, Any], names: dict[str, Any]) -> dict[str, Any]:
+    """Return the functions of `operator` by their other names, as `__lt__` of `lt`, that programs may read.
+
+    Without them those names would lead to the methods of the facade itself.
+    """
+    special = {f"__{name.strip('_')}__": item for name, item in names.items()}
+    return {name: item for name, item in special.items() if space.get(name) is item and is_attribute_allowed(name)}
 
 
 def _own_wraps(names: dict[str, Any]) -> None:
