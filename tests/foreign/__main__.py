@@ -100,10 +100,8 @@ def chosen_cases(library: Library, only: Sequence[str]) -> Iterator[Case]:
     """Yield the tests of all groups, or those whose names begin in a way that was asked for."""
     for group in GROUPS:
         for name in library.names_of(group):
-            if not only or any(name.startswith(each) or each.startswith(f"{name}.") for each in only):
-                for case in cases(library, group, [name]):
-                    if not only or case.name.startswith(tuple(only)):
-                        yield case
+            if not only or any(f"{name}.".startswith(each) or each.startswith(f"{name}.") for each in only):
+                yield from cases(library, group, [name], tuple(only) or ("",))
 
 
 def recorded(row: tuple[Case, Verdict, dict[str, Outcome]]) -> str:

@@ -30,7 +30,7 @@ FILE: Final = "foreign.script"
 ROBOT_S: Final = 900.0
 """Robot time of a program."""
 CPU_S: Final = 20
-WALL_S: Final = 40.0
+WALL_S: Final = 120.0
 MEMORY_BYTES: Final = 1 << 30
 ANSWER_BYTES_MAX: Final = 8 << 20
 

@@ -59,18 +59,20 @@ class Link:
     piece: Piece
 
 
-def cases(library: Library, group: str, modules: list[str] | None = None) -> Iterator[Case]:
-    """Yield the test methods of the modules of a group, in their order."""
+def cases(
+    library: Library, group: str, modules: list[str] | None = None, only: tuple[str, ...] = ("",)
+) -> Iterator[Case]:
+    """Yield the test methods of the modules of a group, in their order, whose names begin in one of some ways."""
     for name in library.names_of(group) if modules is None else modules:
         module = library.module(name)
         if module is None:
             continue
         for piece in module.pieces:
             if isinstance(piece.node, ast.ClassDef):
-                yield from _cases_of(library, group, module, piece)
+                yield from _cases_of(library, group, module, piece, only)
 
 
-def _cases_of(library: Library, group: str, module: Module, piece: Piece) -> Iterator[Case]:
+def _cases_of(library: Library, group: str, module: Module, piece: Piece, only: tuple[str, ...]) -> Iterator[Case]:
     chain = chain_of(library, module, piece)
     if not any(link.module.name == STAND_INS and link.piece.names[0] == BASE for link in chain):
         return
@@ -82,6 +84,8 @@ def _cases_of(library: Library, group: str, module: Module, piece: Piece) -> Ite
     )
     for method in methods:
         name = f"{module.name}.{piece.names[0]}.{method}"
+        if not name.startswith(only):
+            continue
         try:
             yield Case(name, group, sliced(library, module, chain, method))
         except Unsliced as error:

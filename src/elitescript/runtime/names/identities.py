@@ -257,6 +257,8 @@ class OneArgumentType(metaclass=_OneArgument):
     __module__ = "builtins"
     __qualname__ = "type"
     __class_getitem__: Any = classmethod(GenericAlias)
+    __call__ = type.__call__
+    """Not called; classes are callable, and abstract classes look for it here."""
 
 
 type.__setattr__(OneArgumentType, "__name__", "type")
