@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Iterator
 
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.errors import CODES, ProgramError
@@ -104,7 +104,7 @@ def check_parsed(
     census = None
     if parsed.is_complete:
         program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)
-        problems += _findings(program)
+        problems += _findings(program, _rules(program), {})
         census = program.census
     unit = None
     # Compiling uses up the tree, so the rules come first.
@@ -118,23 +118,65 @@ def check_parsed(
     return CheckResult(None if unit is None else replace(unit, findings=found), found, options.strict)
 
 
-@without_collection
-def problems_of(program: AnalysedProgram) -> tuple[Diagnostic, ...]:
-    """Return all problems of a text that was analysed, as `check_source`, and leave its tree as it is."""
-    parsed = program.parsed
-    problems = _findings(program) if parsed.is_complete else []
-    return _reported(
-        [*parsed.source.notes, *problems, *problems_in(parsed, program.census)], parsed.source, parsed.options.ignored
-    )
+class WrittenProgram:
+    """Finds the problems of a text that is being written: first those for which no expression is evaluated.
+
+    Args:
+        program: the text, analysed; its tree is left as it is.
+    """
+
+    __slots__ = ("_found", "_program", "_refusals")
+
+    def __init__(self, program: AnalysedProgram) -> None:
+        self._program = program
+        self._found: dict[str, list[Finding]] = {}
+        """What rules have found, by their codes."""
+        self._refusals: tuple[Diagnostic, ...] | None = None
+        """What the compiler has found."""
+
+    @without_collection
+    def quick_problems(self) -> tuple[Diagnostic, ...]:
+        """Return the problems that are found without the values of expressions.
+
+        Raises:
+            Outdated: the text has changed meanwhile.
+        """
+        rules = (rule for rule in _rules(self._program) if not rule.needs_values)
+        return self._reported(_findings(self._program, rules, self._found))
+
+    @without_collection
+    def problems(self) -> tuple[Diagnostic, ...]:
+        """Return all problems, as `check_source`.
+
+        Raises:
+            Outdated: the text has changed meanwhile.
+        """
+        return self._reported(_findings(self._program, _rules(self._program), self._found))
+
+    def _reported(self, found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
+        program, parsed = self._program, self._program.parsed
+        if self._refusals is None:
+            program.stop_if_outdated()
+            self._refusals = problems_in(parsed, program.census)
+        return _reported([*parsed.source.notes, *found, *self._refusals], parsed.source, parsed.options.ignored)
 
 
-def _findings(program: AnalysedProgram) -> list[Diagnostic]:
-    """Return what the rules find."""
-    rules = rules_for(program.source.text)
-    rules = [rule for rule in rules if not (rule.needs_all_lines and program.parsed.has_errors)]
+def _rules(program: AnalysedProgram) -> Iterator[Rule]:
+    """Yield the rules that can find anything in a program; between two of them it may be outdated."""
+    if program.parsed.is_complete:
+        for rule in rules_for(program.source.text):
+            if not (rule.needs_all_lines and program.parsed.has_errors):
+                program.stop_if_outdated()
+                yield rule
+
+
+def _findings(program: AnalysedProgram, rules: Iterable[Rule], known: dict[str, list[Finding]]) -> list[Diagnostic]:
+    """Return what rules find; `known` gets it by their codes, and what is in it already is not looked for again."""
     found: list[Diagnostic] = []
     for rule in rules:
-        findings = list(rule.check(program))
+        findings = known.get(rule.code)
+        if findings is None:
+            findings = known[rule.code] = list(rule.check(program))
         lines = {program.span(finding.where).line for finding in findings if isinstance(finding.where, ast.AST)}
         for finding in findings:
             passed = _passed(finding, program)

@@ -15,6 +15,7 @@ from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
 from elitescript.language.advice.unknown_names import KNOWN, advice
+from elitescript.language.diagnostics import Outdated
 from elitescript.language.nodes import Census
 from elitescript.language.options import SCRIPT, SECONDARY
 from elitescript.language.parser import Parsed
@@ -116,6 +117,7 @@ class AnalysedProgram:
         is_strict: what only this implementation accepts is an error.
         presets: names that have a value before the program begins.
         arm: the arm that it is for; None if that is not known.
+        is_outdated: returns whether the text has changed meanwhile, in a program that is written.
         symbols: scopes and names.
         census: all nodes of the tree.
     """
@@ -128,6 +130,7 @@ class AnalysedProgram:
         is_strict: bool = False,
         presets: Collection[str] = (),
         arm: ArmFacts | None = None,
+        is_outdated: Callable[[], bool] = bool,
     ) -> None:
         self.parsed = parsed
         self.source = parsed.source
@@ -135,10 +138,20 @@ class AnalysedProgram:
         self.is_strict = is_strict
         self.presets = presets
         self.arm = arm
+        self.is_outdated = is_outdated
         self.symbols = Symbols(parsed)
         self.census = Census(parsed.tree)
         self._derived: dict[Any, Any] = {}
         self._hidden: dict[tuple[str, Scope], bool] = {}
+
+    def stop_if_outdated(self) -> None:
+        """Do nothing while the text is the newest one.
+
+        Raises:
+            Outdated: it is not.
+        """
+        if self.is_outdated():
+            raise Outdated
 
     @cached_property
     def values(self) -> Values:
@@ -146,7 +159,7 @@ class AnalysedProgram:
         # Short programs do without: everything is written where it is used.
         from elitescript.values.program import Values
 
-        return Values(self.symbols, self.presets)
+        return Values(self.symbols, self.presets, self.stop_if_outdated)
 
     @cached_property
     def constants(self) -> Constants:

@@ -108,6 +108,7 @@ class Evaluation(Expressions):
         """Evaluate statements; return whether what stands behind them is reached."""
         is_reached = True
         for statement in statements:
+            self._stop_if_outdated()
             visit = _STATEMENTS.get(type(statement))
             if visit is not None:
                 if visit(self, statement) is False:

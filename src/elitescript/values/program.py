@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
@@ -18,14 +18,17 @@ class Values:
     Args:
         symbols: of its text.
         presets: names of globals that have a value before the program begins.
+        stop_if_outdated: called before each statement; what it raises ends the evaluation.
 
     Attributes:
         is_known: False if the program is nested too deep, or takes too long: then everything is unknown.
     """
 
-    def __init__(self, symbols: Symbols, presets: Collection[str] = ()) -> None:
+    def __init__(
+        self, symbols: Symbols, presets: Collection[str] = (), stop_if_outdated: Callable[[], object] = bool
+    ) -> None:
         self.symbols = symbols
-        self._evaluation = Evaluation(symbols, presets)
+        self._evaluation = Evaluation(symbols, presets, stop_if_outdated)
         self.is_known = True
         try:
             self._evaluation.run()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections import deque
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
@@ -72,14 +72,18 @@ class State:
     Args:
         symbols: of its text.
         presets: names of globals that have a value before the program begins.
+        stop_if_outdated: see `Values`.
 
     Attributes:
         values: what each expression is.
     """
 
-    def __init__(self, symbols: Symbols, presets: Collection[str] = ()) -> None:
+    def __init__(
+        self, symbols: Symbols, presets: Collection[str] = (), stop_if_outdated: Callable[[], object] = bool
+    ) -> None:
         self.symbols = symbols
         self.presets = presets
+        self._stop_if_outdated = stop_if_outdated
         self.values: dict[ast.AST, Value] = {}
         self.sites = Sites()
         self._functions: dict[Scope, Function] = {}

@@ -20,7 +20,7 @@ from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
 
 
-@rule(code="W245", since="0.3")
+@rule(code="W245", since="0.3", needs_values=True)
 def not_a_function(program: AnalysedProgram) -> Iterator[Finding]:
     """Report calls of numbers, texts and lists; W203 tells of commands, and None stands for a function to come."""
     for scope in program.symbols.scopes:

@@ -27,7 +27,7 @@ from elitescript.values.description import BOOL, NUMBER
 _INDICES: Final = ("n", "address", "port", "index", "encoder_index")
 
 
-@rule(code="W266", since="0.3")
+@rule(code="W266", since="0.3", needs_values=True)
 def swapped_arguments(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such argument."""
     for found, arguments in zip(program.command_calls, program.arguments, strict=True):

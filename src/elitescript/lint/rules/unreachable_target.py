@@ -30,7 +30,7 @@ _ANY_ARM: Final = ((-FULL_TURN, FULL_TURN),) * 6
 _TARGETS: Final = ("W230", "W231", "W237")
 
 
-@rule(code="W236", since="0.2")
+@rule(code="W236", since="0.2", needs_values=True)
 def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
     """Report targets outside the joint limits, or out of reach."""
     places = TargetPlaces(program)

@@ -69,7 +69,7 @@ _ALLOWED: Final[dict[type[ast.AST], tuple[tuple[int, int], ...]]] = {
 _DIVIDING: Final = (ast.Div, ast.FloorDiv, ast.Mod)
 
 
-@rule(code="W264", since="0.3")
+@rule(code="W264", since="0.3", needs_values=True)
 def wrong_operands(program: AnalysedProgram) -> Iterator[Finding]:
     """Report operations that always fail; what stands in broken lines is not the author's."""
     broken = program.unread_lines
