@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 import ast
+import re
+from pathlib import Path
 
 import pytest
 
 from elitescript.language.options import DEFAULT
 from elitescript.language.parser import parse
+from elitescript.language.text import pieces as pieces_module
 from elitescript.language.text.pieces import Pieces
 from elitescript.language.text.source import SourceFile
+
+SPECIFICATION = Path(__file__).parent.parent / "spec"
 
 TEXT = "def p():\n  a = 1\n  def f():\n    return 1\n  end\n  # next\n  def g(x):\n    return x\n  end\n  f()\nend\n"
 
 
 def read(text: str, pieces: Pieces | None = None) -> ast.Module:
     return parse(SourceFile("a", text), DEFAULT, None, pieces).tree
+
+
+def read_whole(text: str) -> ast.Module:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Pieces, "tree", lambda *_: None)
+        return read(text)
 
 
 def functions(tree: ast.Module) -> list[ast.FunctionDef]:
@@ -30,8 +41,8 @@ def shared(before: str, after: str) -> list[str]:
     """Return the names of the functions whose trees are used again; the whole tree is the one of the text."""
     pieces = Pieces()
     old, new = read(before, pieces), read(after, pieces)
-    assert dump(old) == dump(read(before))
-    assert dump(new) == dump(read(after))
+    assert dump(old) == dump(read_whole(before))
+    assert dump(new) == dump(read_whole(after))
     return [node.name for node in functions(new) if node in functions(old)]
 
 
@@ -49,7 +60,7 @@ def shared(before: str, after: str) -> list[str]:
         ("  # next", "  @x", []),
         ("  # next", "    \\", []),
         ("  # next", "  else:", ["g"]),
-        ("def p", "sec p", []),
+        ("def p", "sec p", ["f", "g"]),
         ("end\n  f()", "end\nf()", []),
         ("  def g", "\tdef g", []),
     ],
@@ -64,3 +75,39 @@ def test_a_function_does_not_keep_a_decorator_of_the_version_before() -> None:
 
 def test_a_tree_without_pieces_is_never_shared() -> None:
     assert not set(functions(read(TEXT))) & set(functions(read(TEXT)))
+
+
+STATEMENTS = "".join(f"  x = {n}\n  if x > {n}:\n    y = (1,\n     2)\n  else:\n    y = 3\n  end\n" for n in range(100))
+
+
+def lines_of(tree: ast.Module) -> dict[int, ast.stmt]:
+    [unit] = tree.body
+    assert isinstance(unit, ast.FunctionDef)
+    return {statement.lineno: statement for statement in unit.body}
+
+
+def test_a_straight_text_is_read_in_pieces_and_those_that_stay_are_used_again() -> None:
+    pieces = Pieces()
+    before, after = (f"def p():\n{STATEMENTS.replace('x = 50', x)}end\n" for x in ("x = 50", "x = 51 + 1"))
+    old, new = read(before, pieces), read(after, pieces)
+    assert dump(new) == dump(read_whole(after))
+    same = [line for line, statement in lines_of(new).items() if lines_of(old)[line] is statement]
+    changed = sorted(lines_of(new).keys() - set(same))
+    assert len(same) + len(changed) == 200
+    assert 352 in changed and changed[-1] - changed[0] <= pieces_module.PIECE_LINES
+
+
+def test_a_short_text_is_read_at_once() -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pieces_module, "_read", lambda *_, **__: pytest.fail("it is read in pieces"))
+        read("def p():\n  x = 1\n  y = 2\nend\n")
+
+
+@pytest.mark.parametrize("page", sorted(SPECIFICATION.glob("*.md")), ids=lambda page: page.stem)
+def test_what_is_read_in_pieces_is_the_whole_text(page: Path) -> None:
+    """Programs and scripts, right and wrong, with pieces as short as they can be."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pieces_module, "PIECE_LINES", 1)
+        patch.setattr(pieces_module, "READ_LINES", 1)
+        for text in re.findall("```elite[^\n]*\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
+            assert dump(read(text)) == dump(read_whole(text)), text

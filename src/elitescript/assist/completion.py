@@ -148,6 +148,7 @@ def fitting_completions(document: Document, line: int, column: int) -> Fitting:
     """
     cursor = Cursor(document, line, column)
     row = document.line(cursor.line)
+    found: tuple[Completion, ...] = ()
     for fits in (_begins_so, _has_all_of) if cursor.typed else (_always,):
         # Long lists are of names that replace the word at the place, but texts in strings replace more.
         items = _sorted(document, cursor, lambda name, fits=fits: fits(name, cursor.typed))  # type: ignore[misc]

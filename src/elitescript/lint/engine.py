@@ -106,6 +106,8 @@ def check_parsed(
         program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)
         problems += _findings(program, _rules(program), {})
         census = program.census
+        # What is known of names and values takes more memory than the tree.
+        del program
     unit = None
     # Compiling uses up the tree, so the rules come first.
     try:

@@ -375,6 +375,8 @@ class AnalysedProgram:
         """The arguments that commands will certainly refuse."""
         mistakes = sorted((problem.line, problem.column) for problem in self.parsed.diagnostics if problem.is_error)
         found = []
+        # Programs give the same numbers again and again.
+        accepted: set[tuple[int, type, Any]] = set()
         for called, arguments in self.judged_calls:
             if called.written is not called.call and self.is_tried(called.written):
                 # The program expects it.
@@ -386,8 +388,18 @@ class AnalysedProgram:
                     place = bisect_left(mistakes, span[:2])
                     if place < len(mistakes) and mistakes[place] < span[2:]:
                         continue
-                value = self.constants.value(node, called.scope)
-                error = refuse(param, value) or self._refused_kind(param, node, value)
+                if type(node) is ast.Constant:
+                    literal = (id(param), type(node.value), node.value)
+                    if literal in accepted:
+                        continue
+                    value = self.constants.value(node, called.scope)
+                    error = refuse(param, value) or self._refused_kind(param, node, value)
+                    if error is None:
+                        accepted.add(literal)
+                        continue
+                else:
+                    value = self.constants.value(node, called.scope)
+                    error = refuse(param, value) or self._refused_kind(param, node, value)
                 if error is not None and not self._is_joined(node):
                     found.append(ArgumentRefusal(called.command, param, node, error))
         return tuple(found)
