@@ -143,6 +143,8 @@ class AnalysedProgram:
         self.census = Census(parsed.tree)
         self._derived: dict[Any, Any] = {}
         self._hidden: dict[tuple[str, Scope], bool] = {}
+        self._fitting_lists: set[tuple[int, int | None] | None] = set()
+        """Parameters, by identity, and lengths of lists that they accept; None if the length is not known."""
 
     def stop_if_outdated(self) -> None:
         """Do nothing while the text is the newest one.
@@ -319,11 +321,18 @@ class AnalysedProgram:
         """The calls of commands that the firmware has."""
         calls = []
         for scope in self.symbols.scopes:
+            known: dict[str, Command | None] = {}
             for call in scope.calls:
-                if isinstance(call.func, ast.Name):
-                    command = self.command(call.func.id, scope)
-                    if command is not None and self.is_available(command):
-                        calls.append(CommandCall(command, call, scope))
+                function = call.func
+                if type(function) is not ast.Name:
+                    continue
+                name = function.id
+                if name not in known:
+                    command = self.command(name, scope)
+                    known[name] = command if command is not None and self.is_available(command) else None
+                command = known[name]
+                if command is not None:
+                    calls.append(CommandCall(command, call, scope))
         return tuple(calls)
 
     @cached_property
@@ -417,7 +426,18 @@ class AnalysedProgram:
         """Return the error that a parameter raises for every value that an expression can have."""
         if not isinstance(value, Unknown):
             return None
-        return refuse_description(param, self.values.of(node), ast.unparse(node))
+        described = self.values.of(node)
+        if not described.is_known or described.has_constant:
+            return None
+        items = described.items
+        # Of a list with other elements than constants its length alone can be wrong.
+        fitting = (id(param), None if items is None else len(items)) if described.is_list else None
+        if fitting in self._fitting_lists:
+            return None
+        error = refuse_description(param, described, ast.unparse(node))
+        if error is None and fitting is not None:
+            self._fitting_lists.add(fitting)
+        return error
 
     def _is_joined(self, node: ast.expr) -> bool:
         """Return whether a value is one of `joined_lists`: one cause is one finding."""
@@ -458,13 +478,22 @@ class AnalysedProgram:
         """The arguments that commands accept, but that are hardly meant; see `commands.definition.plausibility`."""
         refused = {refusal.node for refusal in self.refusals}
         found = []
+        accepted: set[tuple[int, type, Any]] = set()
         for called, arguments in self.judged_calls:
             for param, node in arguments.given:
+                literal = None
+                if type(node) is ast.Constant:
+                    # Programs give the same numbers again and again.
+                    literal = (id(param), type(node.value), node.value)
+                    if literal in accepted:
+                        continue
                 meaning = param.quantity.meaning
                 is_transform = not meaning and param.quantity.unit == _POSE_UNIT
                 if is_transform:
                     meaning = "pose"
                 if not meaning or node in refused:
+                    if literal is not None and not meaning:
+                        accepted.add(literal)
                     continue
                 value = self.constants.bounds(node, called.scope)
                 # Programs also compute with transforms in other units, but not with those of the arm.
@@ -473,6 +502,8 @@ class AnalysedProgram:
                 if meaning in TAKEN_FOR_EACH_OTHER and not isinstance(node, (ast.List, ast.Tuple)):
                     other = mistaken(meaning, self.values.of(node).role)
                     reported += [] if other is None else [other]
+                if literal is not None and is_judged and not reported:
+                    accepted.add(literal)
                 for doubt in reported:
                     command, argument = called.command.name, param.name
                     text = said("{command}: {argument}{doubt}", command=command, argument=argument, doubt=doubt.text)

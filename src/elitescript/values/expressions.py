@@ -55,7 +55,13 @@ class Expressions(Calls):
         """Return what an expression is, and note it."""
         kind = type(node)
         if kind is ast.Constant:
-            self.values[node] = value = self._constant(node)  # type: ignore[arg-type]
+            # Equal literals have one description.
+            written = node.value  # type: ignore[attr-defined]
+            key = (type(written), written)
+            value = self._literals.get(key)
+            if value is None:
+                value = self._literals[key] = constant(written)
+            self.values[node] = value
             return value
         visit = _EXPRESSIONS.get(kind)
         if visit is None:
@@ -70,15 +76,6 @@ class Expressions(Calls):
             value = visit(self, node)
             self._depth -= 1
         self.values[node] = value
-        return value
-
-    def _constant(self, node: ast.Constant) -> Value:
-        # Equal literals have one description.
-        written = node.value
-        key = (type(written), written)
-        value = self._literals.get(key)
-        if value is None:
-            value = self._literals[key] = constant(written)
         return value
 
     def _name(self, node: ast.Name) -> Value:
@@ -209,17 +206,20 @@ class Expressions(Calls):
         is_list = isinstance(node, ast.List)
         site = self._site(node) if is_list else NO_SITES
         items: list[Value] = []
-        is_long = len(node.elts) > SIZE_MAX
+        is_long, is_reached = len(node.elts) > SIZE_MAX, True
         for part in node.elts:
             if isinstance(part, ast.Starred):
                 is_long = True
                 items.append(calls.element_of(self.sites.now(self.expression(part.value), self._function)))
+                is_reached = is_reached and bool(items[-1].kinds)
                 continue
             value = self.expression(part)
-            if value.node is not part and value.kinds and value.shape is None and not value.has_constant:
+            if not value.kinds:
+                is_reached = False
+            elif value.node is not part and value.shape is None and not value.has_constant:
                 value = value.but(node=part)
             items.append(value)
-        if any(not item.kinds for item in items):
+        if not is_reached:
             return BOTTOM
         kind = LIST if is_list else TUPLE
         if is_long:
@@ -452,7 +452,6 @@ def _item(owner: Value, index: Value) -> Value:
 
 
 _EXPRESSIONS: Final[dict[type[ast.expr], Callable[[Expressions, Any], Value]]] = {
-    ast.Constant: Expressions._constant,
     ast.Name: Expressions._name,
     ast.BinOp: Expressions._binary,
     ast.UnaryOp: Expressions._unary,

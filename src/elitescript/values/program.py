@@ -80,12 +80,10 @@ class Values:
             return value
         if depth > DEPTH_MAX:
             return value.but(shape=None)
+        if shape.is_plain:
+            return value
         if shape.items is None:
-            if not (shape.element.sites or shape.element.shape is not None) and shape.element.kinds:
-                return value
             element = self._complete(shape.element, depth + 1)
             return value.but(shape=Shape(None, element, shape.least, shape.most, shape.is_counted))
-        if not any(item.sites or item.shape is not None or not item.kinds for item in shape.items):
-            return value
         items = tuple(self._complete(item, depth + 1) for item in shape.items)
         return value.but(shape=Shape(items, is_counted=shape.is_counted))

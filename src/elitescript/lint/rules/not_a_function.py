@@ -24,9 +24,14 @@ from elitescript.said import said
 def not_a_function(program: AnalysedProgram) -> Iterator[Finding]:
     """Report calls of numbers, texts and lists; W203 tells of commands, and None stands for a function to come."""
     for scope in program.symbols.scopes:
+        are_own: dict[str, bool] = {}
         for call in scope.calls:
             function = call.func
-            if not isinstance(function, ast.Name) or scope.resolve(function.id) is Resolution.BUILTIN:
+            if not isinstance(function, ast.Name):
+                continue
+            if function.id not in are_own:
+                are_own[function.id] = scope.resolve(function.id) is not Resolution.BUILTIN
+            if not are_own[function.id]:
                 continue
             value = program.values.of(function)
             if not value.is_known or value.is_callable or program.is_tried(call):
