@@ -52,8 +52,8 @@ def shared(before: str, after: str) -> list[str]:
         ("a = 1", "a = 2", ["f", "g"]),
         ("return x", "return x + 1", ["f"]),
         ("return 1", "return f", ["g"]),
-        ("# next\n", "# next\n\n", []),
-        ("return x\n", "return x\n\n", ["f"]),
+        ("# next\n", "# next\n\n", ["f"]),
+        ("return x\n", "return x\n\n", ["f", "g"]),
         ("return x", "return (x", ["f"]),
         ("a = 1", "else:", ["f", "g"]),
         ("  def f", "  @x\n  def f", []),
@@ -62,7 +62,7 @@ def shared(before: str, after: str) -> list[str]:
         ("  # next", "  else:", ["g"]),
         ("def p", "sec p", ["f", "g"]),
         ("end\n  f()", "end\nf()", []),
-        ("  def g", "\tdef g", []),
+        ("  def g", "\tdef g", ["f"]),
     ],
 )
 def test_what_is_used_again(old: str, new: str, expected: list[str]) -> None:
@@ -71,6 +71,26 @@ def test_what_is_used_again(old: str, new: str, expected: list[str]) -> None:
 
 def test_a_function_does_not_keep_a_decorator_of_the_version_before() -> None:
     assert shared(TEXT.replace("  # next", "  @x"), TEXT) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new"), [("  def g", "\n\n  def g"), ("def p():", "# one\n# two\ndef p():"), ("  a = 1\n", "")]
+)
+def test_pieces_may_stand_in_other_lines(old: str, new: str) -> None:
+    pieces = Pieces(may_move=True)
+    before, after = read(TEXT, pieces), TEXT.replace(old, new)
+    tree = read(after, pieces)
+    assert dump(tree) == dump(read_whole(after))
+    assert [node.name for node in functions(tree) if node in functions(before)] == ["f", "g"]
+    assert dump(read(TEXT, pieces)) == dump(read_whole(TEXT))
+
+
+def test_a_piece_is_used_once_where_its_text_is_there_twice() -> None:
+    pieces = Pieces(may_move=True)
+    one = "  def f():\n    return 1\n  end\n"
+    read(f"def p():\n{one}  x = 1\nend\n", pieces)
+    after = f"def p():\n  # twice\n{one}{one}  x = 1\nend\n"
+    assert dump(read(after, pieces)) == dump(read_whole(after))
 
 
 def test_a_tree_without_pieces_is_never_shared() -> None:

@@ -26,6 +26,7 @@ from elitescript.lint.engine import WrittenProgram
 from elitescript.lint.program import AnalysedProgram
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
 from elitescript.records import field, record
+from elitescript.values.memory import Memory
 
 _Found = TypeVar("_Found")
 
@@ -52,6 +53,16 @@ class Settings:
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
+class _OfTwins:
+    """Holds what the twins of all versions of a text have in common, which are used one after the other."""
+
+    __slots__ = ("memory", "pieces")
+
+    def __init__(self) -> None:
+        self.pieces = Pieces(may_move=True)
+        self.memory = Memory()
+
+
 class Document:
     """One version of a text. Never changes; `edited` returns the next version.
 
@@ -71,7 +82,9 @@ class Document:
         self.version = version
         self.settings = settings or Settings()
         self.is_outdated = False
-        self._pieces, self._pieces_of_twins = Pieces(), Pieces()
+        self._pieces = Pieces()
+        self._memory: Memory | None = None
+        self._of_twins = _OfTwins()
         self._found: dict[Callable[[Document], Any], Any] = {}
 
     # ---------------------------------------------------------------- the text
@@ -126,7 +139,7 @@ class Document:
             after = Document(self.name, text, version, self.settings)
         if after is self:
             after = Document(self.name, self.text, version, self.settings)
-        after._pieces, after._pieces_of_twins = self._pieces, self._pieces_of_twins
+        after._pieces, after._memory, after._of_twins = self._pieces, self._memory, self._of_twins
         return after
 
     # ---------------------------------------------------------------- what is known of it
@@ -144,7 +157,7 @@ class Document:
         The twins of all versions of a text are for one thread: what was read of one is used for the next.
         """
         made = Document(self.name, self.text, self.version, self.settings)
-        made._pieces = self._pieces_of_twins
+        made._pieces, made._memory = self._of_twins.pieces, self._of_twins.memory
         if "translation" in self.__dict__:
             made.translation = self.translation
         return made
@@ -196,6 +209,7 @@ class Document:
             presets=settings.presets,
             arm=settings.arm,
             is_outdated=lambda: self.is_outdated,
+            memory=self._memory,
         )
 
     @cached_property

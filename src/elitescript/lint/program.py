@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from elitescript.errors import ScriptError
     from elitescript.lint.list_uses import ListUses
     from elitescript.lint.passed_values import PassedCall, PassedValues
+    from elitescript.values.memory import Memory
     from elitescript.values.program import Values
 
 _SIX: Final = 6
@@ -131,6 +132,7 @@ class AnalysedProgram:
         presets: Collection[str] = (),
         arm: ArmFacts | None = None,
         is_outdated: Callable[[], bool] = bool,
+        memory: Memory | None = None,
     ) -> None:
         self.parsed = parsed
         self.source = parsed.source
@@ -139,6 +141,7 @@ class AnalysedProgram:
         self.presets = presets
         self.arm = arm
         self.is_outdated = is_outdated
+        self._memory = memory
         self.symbols = Symbols(parsed)
         self.census = Census(parsed.tree)
         self._derived: dict[Any, Any] = {}
@@ -161,7 +164,7 @@ class AnalysedProgram:
         # Short programs do without: everything is written where it is used.
         from elitescript.values.program import Values
 
-        return Values(self.symbols, self.presets, self.stop_if_outdated)
+        return Values(self.symbols, self.presets, self.stop_if_outdated, self._memory)
 
     @cached_property
     def constants(self) -> Constants:

@@ -9,6 +9,7 @@ from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
 from elitescript.values.description import DEPTH_MAX, UNKNOWN, Shape, Value
 from elitescript.values.evaluation import Evaluation
+from elitescript.values.memory import Memory
 from elitescript.values.state import GivenUp
 
 
@@ -19,21 +20,31 @@ class Values:
         symbols: of its text.
         presets: names of globals that have a value before the program begins.
         stop_if_outdated: called before each statement; what it raises ends the evaluation.
+        memory: of the version before, from which it takes what has not changed; gets what is known of this one.
 
     Attributes:
         is_known: False if the program is nested too deep, or takes too long: then everything is unknown.
     """
 
     def __init__(
-        self, symbols: Symbols, presets: Collection[str] = (), stop_if_outdated: Callable[[], object] = bool
+        self,
+        symbols: Symbols,
+        presets: Collection[str] = (),
+        stop_if_outdated: Callable[[], object] = bool,
+        memory: Memory | None = None,
     ) -> None:
         self.symbols = symbols
-        self._evaluation = Evaluation(symbols, presets, stop_if_outdated)
+        self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory)
         self.is_known = True
         try:
             self._evaluation.run()
         except (GivenUp, RecursionError):
             self.is_known = False
+
+    @property
+    def evaluated_functions(self) -> list[str]:
+        """The names of the functions that were evaluated, each as often as it was; others are as they were."""
+        return [function.scope.name for function in self._evaluation.evaluated]
 
     def of(self, node: ast.expr) -> Value:
         """Return what an expression of the program is."""

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import Any, Final
 
+from elitescript.language.nodes import children
 from elitescript.language.text.flat import CLAUSES
 from elitescript.language.text.lexer import LogicalLine
 
@@ -25,11 +26,17 @@ _CONTINUING: Final = CLAUSES | {"case", "end"}
 
 
 class Pieces:
-    """Holds the pieces of the last text that was read; nothing may change their nodes."""
+    """Holds the pieces of the last text that was read; nothing else may change their nodes.
 
-    __slots__ = ("_known",)
+    Args:
+        may_move: pieces that stand in other lines are used again too, with the lines of their nodes changed: the tree
+            of the version before is of no use then.
+    """
 
-    def __init__(self) -> None:
+    __slots__ = ("_known", "_may_move")
+
+    def __init__(self, *, may_move: bool = False) -> None:
+        self._may_move = may_move
         self._known: dict[tuple[int, str], list[ast.stmt]] = {}
 
     def tree(
@@ -58,8 +65,11 @@ class Pieces:
             block = unit.body
         del block[-1]
         ends = [*cuts[1:], len(rows) + 1]
-        keys = [(start, "\n".join(rows[start - 1 : end - 1])) for start, end in zip(cuts, ends, strict=True)]
+        texts = ["\n".join(rows[start - 1 : end - 1]).rstrip() for start, end in zip(cuts, ends, strict=True)]
+        keys = list(zip(cuts, texts, strict=True))
         known = {key: self._known[key] for key in keys if key in self._known}
+        if self._may_move:
+            self._move(keys, known)
         fresh: list[tuple[int, str]] = []
         for key in [*keys, None]:
             if fresh and (key is None or key in known or key[0] - fresh[0][0] > READ_LINES):
@@ -74,6 +84,31 @@ class Pieces:
         if is_unit:
             unit.end_lineno, unit.end_col_offset = _end(block[-1], rows)
         return head
+
+    def _move(self, keys: Sequence[tuple[int, str]], known: dict[tuple[int, str], list[ast.stmt]]) -> None:
+        """Use pieces that stand in other lines now; `known` gets them."""
+        left: dict[str, list[int]] = {}
+        for start, text in self._known:
+            if (start, text) not in known:
+                left.setdefault(text, []).append(start)
+        for start, text in keys:
+            if (start, text) not in known and left.get(text):
+                before = left[text].pop(0)
+                statements = self._known.pop((before, text))
+                _shift(statements, start - before)
+                known[start, text] = self._known[start, text] = statements
+
+
+def _shift(statements: Sequence[ast.stmt], lines: int) -> None:
+    """Change the lines of nodes."""
+    stack: list[Any] = [*statements]
+    while stack:
+        node = stack.pop()
+        if hasattr(node, "lineno"):
+            node.lineno += lines
+            if node.end_lineno is not None:
+                node.end_lineno += lines
+        stack += children(node)
 
 
 def _is_unit(lines: Sequence[LogicalLine]) -> bool:
@@ -124,7 +159,11 @@ def _read(
 ) -> bool:
     """Parse neighbouring pieces at once; False if they are not statements of one block."""
     first = keys[0][0]
-    text = "\n".join(text for _, text in keys)
+    parts: list[str] = []
+    for start, part in keys:
+        parts += [""] * (start - first - len(parts))
+        parts += part.split("\n")
+    text = "\n".join(parts)
     if is_inside:
         module = parse("\n" * (first - 2) + "if 1:\n" + text)
         if len(module.body) != 1 or not isinstance(block := module.body[0], ast.If) or block.orelse:
