@@ -26,7 +26,7 @@ def six(value: object) -> Six | None:
     if not isinstance(value, (list, tuple)) or len(value) != 6:
         return None
     if _FLOAT.issuperset(map(type, value)):
-        return tuple(value)  # type: ignore[return-value]
+        return tuple(value)
     if not all(isinstance(number, (int, float)) for number in value):
         return None
     a, b, c, d, e, f = map(float, value)

@@ -64,7 +64,7 @@ class Calls(Conditions):
     def _call_own(self, node: ast.AST, args: Sequence[Value], keywords: dict[str, Value], is_certain: bool) -> Value:
         """Return what a function of the program returns, having joined what it gets."""
         if self._log is not None:
-            return self._logged("_call_own", node, args, keywords, is_certain)
+            return self._logged("_call_own", node, args, keywords, is_certain)  # type: ignore[no-any-return]
         function = self._function_at(node)
         if function.is_open:
             for value in (*args, *keywords.values()):

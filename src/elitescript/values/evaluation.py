@@ -32,7 +32,7 @@ from elitescript.values.description import (
     widen,
 )
 from elitescript.values.expressions import Expressions
-from elitescript.values.memory import Memory, Record, VariableKey, agree
+from elitescript.values.memory import Memory, Record, StartAgain, VariableKey, agree
 from elitescript.values.references import ModuleType, Own, OwnClass
 from elitescript.values.state import DEPTH_MAX, EVALUATIONS_MAX, LOOP_WIDENED_AFTER, LOOPS_MAX, GivenUp, Locals, Loop
 from elitescript.values.store import Function
@@ -65,6 +65,7 @@ class Evaluation(Expressions):
 
         Raises:
             GivenUp: nothing is known of it.
+            StartAgain: it has to be evaluated without what is known of the version before.
         """
         self._mark_open_functions()
         if self._memory is not None:
@@ -166,13 +167,16 @@ class Evaluation(Expressions):
     def _played_again(self, record: Record, base_depth: int) -> bool:
         """Do again what an evaluation has done; return whether all that it has asked for is the same."""
         self._outer_values.append(record.values)
-        is_same = True
+        is_same, has_changed_lists = True, False
         for method, arguments, depth, repeated, answer in record.log:
             self._depth, self._repeated = base_depth + depth, repeated
             if not agree(answer, getattr(self, method)(*arguments)):
                 is_same = False
                 break
+            has_changed_lists = has_changed_lists or method == "_put_into"
         self._outer_values.pop()
+        if has_changed_lists and not is_same:
+            raise StartAgain
         return is_same
 
     # ---------------------------------------------------------------- statements

@@ -3,7 +3,8 @@
 A record is the log of an evaluation: each question about what functions share, with its answer, and each change of it,
 in their order. If all that a function reads in the next version has the same answers, its evaluation would make the
 same changes, and its expressions are what they were: the log is played again instead. As soon as an answer differs the
-function is evaluated. What was played until then is what the evaluation does as well, and changes nothing twice.
+function is evaluated. What was played until then is what the evaluation does as well, and changes nothing twice; but
+what it has put into lists would be seen too early (`StartAgain`).
 
 Nodes are the same as long as their piece of the text is; see `language.text.pieces`.
 """
@@ -23,6 +24,10 @@ BODY: Final = "body"
 
 VariableKey = tuple[Any, str]
 """The node of the scope of a variable, `BODY`, or None for a global, and its name: the same in each version."""
+
+
+class StartAgain(Exception):
+    """What was kept of the version before is of no use for this one: all of it has to be evaluated."""
 
 
 class Entry(NamedTuple):

@@ -9,7 +9,7 @@ from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
 from elitescript.values.description import DEPTH_MAX, UNKNOWN, Shape, Value
 from elitescript.values.evaluation import Evaluation
-from elitescript.values.memory import Memory
+from elitescript.values.memory import Memory, StartAgain
 from elitescript.values.state import GivenUp
 
 
@@ -37,7 +37,13 @@ class Values:
         self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory)
         self.is_known = True
         try:
-            self._evaluation.run()
+            try:
+                self._evaluation.run()
+            except StartAgain:
+                assert memory is not None
+                memory.forget()
+                self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory)
+                self._evaluation.run()
         except (GivenUp, RecursionError):
             self.is_known = False
 

@@ -58,11 +58,10 @@ class Pieces:
             return None
         indentation = _indentation(rows[cuts[0] - 1])
         head = parse("\n".join([*rows[: cuts[0] - 1], f"{indentation}pass"]))
-        block: list[ast.stmt] = head.body
-        if is_unit:
-            if len(head.body) != 1 or not isinstance(unit := head.body[0], ast.FunctionDef):
-                return None
-            block = unit.body
+        unit = head.body[0] if is_unit and len(head.body) == 1 else None
+        if is_unit and not isinstance(unit, ast.FunctionDef):
+            return None
+        block = unit.body if isinstance(unit, ast.FunctionDef) else head.body
         del block[-1]
         ends = [*cuts[1:], len(rows) + 1]
         texts = ["\n".join(rows[start - 1 : end - 1]).rstrip() for start, end in zip(cuts, ends, strict=True)]
@@ -81,7 +80,7 @@ class Pieces:
         self._known = known
         for key in keys:
             block += known[key]
-        if is_unit:
+        if unit is not None:
             unit.end_lineno, unit.end_col_offset = _end(block[-1], rows)
         return head
 
