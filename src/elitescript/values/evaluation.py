@@ -35,7 +35,7 @@ from elitescript.values.expressions import Expressions
 from elitescript.values.memory import Memory, Record, StartAgain, VariableKey, agree
 from elitescript.values.references import ModuleType, Own, OwnClass
 from elitescript.values.state import DEPTH_MAX, EVALUATIONS_MAX, LOOP_WIDENED_AFTER, LOOPS_MAX, GivenUp, Locals, Loop
-from elitescript.values.store import Function
+from elitescript.values.store import Function, Site, SiteState
 
 
 class _Heads(dict[ast.AST, Locals]):
@@ -167,16 +167,22 @@ class Evaluation(Expressions):
     def _played_again(self, record: Record, base_depth: int) -> bool:
         """Do again what an evaluation has done; return whether all that it has asked for is the same."""
         self._outer_values.append(record.values)
-        is_same, has_changed_lists = True, False
+        is_same = True
+        before: dict[Site, SiteState] = {}
         for method, arguments, depth, repeated, answer in record.log:
             self._depth, self._repeated = base_depth + depth, repeated
+            if method == "_put_into":
+                for site in self.sites.at(arguments[0].sites):
+                    before.setdefault(site, site.state())
             if not agree(answer, getattr(self, method)(*arguments)):
                 is_same = False
                 break
-            has_changed_lists = has_changed_lists or method == "_put_into"
         self._outer_values.pop()
-        if has_changed_lists and not is_same:
-            raise StartAgain
+        if not is_same:
+            for site, state in before.items():
+                if not site.is_for(self._function):
+                    raise StartAgain
+                site.restore(state)
         return is_same
 
     # ---------------------------------------------------------------- statements

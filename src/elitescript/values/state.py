@@ -449,6 +449,8 @@ class State:
     def _put_into(self, owner: Value, index: int | None, value: Value, grows: bool) -> None:
         if owner.kinds & OBJECT or owner.shape is None:
             self._escape(value)
+        for site in self.sites.at(owner.sites):
+            site.is_shared = site.is_shared or site.maker is not self._function
         readers = self.sites.store(owner, index, value, grows=grows)
         # What was read of a new list before it is changed has been right, unless it all comes again.
         is_new = all(site.maker is self._function for site in self.sites.at(owner.sites))

@@ -116,6 +116,9 @@ class Function:
         return node.args if isinstance(node, (ast.FunctionDef, ast.Lambda)) else None
 
 
+SiteState = tuple[dict[int | None, tuple[Value, int]], bool]
+
+
 class Site:
     """A place of the text that makes lists or dicts.
 
@@ -124,16 +127,34 @@ class Site:
         has_grown: elements may be added or removed.
         is_open: unknown code may change it.
         maker: the function that makes one list there each time it is called; None if it may make more.
+        is_shared: another function has put something in.
     """
 
-    __slots__ = ("has_grown", "is_open", "maker", "readers", "stored")
+    __slots__ = ("has_grown", "is_open", "is_shared", "maker", "readers", "stored")
 
     def __init__(self) -> None:
         self.stored: dict[int | None, Cell] = {}
         self.has_grown = False
         self.is_open = False
         self.maker: Function | None = None
+        self.is_shared = False
         self.readers: Readers = {}
+
+    def is_for(self, function: Function) -> bool:
+        """Return whether no other function than the one that makes the lists there has seen or changed them."""
+        is_unseen = all(reader is function for reader in self.readers)
+        return self.maker is function and is_unseen and not self.is_shared and not self.is_open
+
+    def state(self) -> SiteState:
+        """Return what was put in by now, for `restore`."""
+        return {index: (cell.value, cell.changes) for index, cell in self.stored.items()}, self.has_grown
+
+    def restore(self, state: SiteState) -> None:
+        """Take back what was put in since."""
+        stored, self.has_grown = state
+        self.stored = {index: self.stored[index] for index in stored}
+        for index, (value, changes) in stored.items():
+            self.stored[index].value, self.stored[index].changes = value, changes
 
     @property
     def is_changed(self) -> bool:
