@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.errors import CODES, ProgramError
@@ -80,6 +80,7 @@ def compile_checked(
     *,
     presets: Collection[str] = (),
     arm: ArmFacts | None = None,
+    report_first: Callable[[tuple[Diagnostic, ...]], object] | None = None,
 ) -> CheckResult:
     """Check and compile a text, which is read once for both.
 
@@ -91,13 +92,19 @@ def compile_checked(
         options: how it is read.
         presets: names of globals that have a value before the program begins.
         arm: the arm that it is for; None leaves out what depends on it.
+        report_first: called with the findings that need no values of expressions, before the others are looked for.
     """
-    return check_parsed(parse(source, options), profile, presets=presets, arm=arm)
+    return check_parsed(parse(source, options), profile, presets=presets, arm=arm, report_first=report_first)
 
 
 @without_collection
 def check_parsed(
-    parsed: Parsed, profile: Profile, *, presets: Collection[str] = (), arm: ArmFacts | None = None
+    parsed: Parsed,
+    profile: Profile,
+    *,
+    presets: Collection[str] = (),
+    arm: ArmFacts | None = None,
+    report_first: Callable[[tuple[Diagnostic, ...]], object] | None = None,
 ) -> CheckResult:
     """Check and compile a text that was read; see `compile_checked`. Uses up the tree."""
     options = parsed.options
@@ -105,7 +112,11 @@ def check_parsed(
     census = None
     if parsed.is_complete:
         program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)
-        problems += _findings(program, _rules(program), {})
+        known: dict[str, list[Finding]] = {}
+        if report_first is not None:
+            quick = _findings(program, _quick_rules(program), known)
+            report_first(_reported([*problems, *quick, *parsed.diagnostics], parsed.source, options.ignored))
+        problems += _findings(program, _rules(program), known)
         census = program.census
         # What is known of names and values takes more memory than the tree.
         del program
@@ -144,8 +155,7 @@ class WrittenProgram:
         Raises:
             Outdated: the text has changed meanwhile.
         """
-        rules = (rule for rule in _rules(self._program) if not rule.needs_values)
-        return self._reported(_findings(self._program, rules, self._found))
+        return self._reported(_findings(self._program, _quick_rules(self._program), self._found))
 
     @without_collection
     def problems(self) -> tuple[Diagnostic, ...]:
@@ -183,6 +193,11 @@ def _rules(program: AnalysedProgram) -> Iterator[Rule]:
             if not (rule.needs_all_lines and program.parsed.has_errors):
                 program.stop_if_outdated()
                 yield rule
+
+
+def _quick_rules(program: AnalysedProgram) -> Iterator[Rule]:
+    """Yield those that need no values of expressions."""
+    return (rule for rule in _rules(program) if not rule.needs_values)
 
 
 def _findings(program: AnalysedProgram, rules: Iterable[Rule], known: dict[str, list[Finding]]) -> list[Diagnostic]:

@@ -19,7 +19,7 @@ import ast
 from collections.abc import Iterator, Sequence
 
 from elitescript.language.symbols import Scope
-from elitescript.lint.flow import Flow, is_generator, own_nodes
+from elitescript.lint.flow import Flow
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
@@ -35,8 +35,8 @@ def missing_return(program: AnalysedProgram) -> Iterator[Finding]:
         function = scope.node
         if not isinstance(function, ast.FunctionDef) or scope.kind != "function" or function.decorator_list:
             continue
-        returns = [node for node in own_nodes(function, ast.Return) if isinstance(node, ast.Return) and node.value]
-        if not returns or any(_is_none(node.value) for node in returns) or is_generator(function):
+        returns = [node for node in flow.returns_of(scope) if node.value]
+        if not returns or any(_is_none(node.value) for node in returns) or flow.is_generator(scope):
             continue
         if not flow.reaches_end(function.body):
             continue
