@@ -118,8 +118,7 @@ def check_parsed(
             report_first(_reported([*problems, *quick, *parsed.diagnostics], parsed.source, options.ignored))
         problems += _findings(program, _rules(program), known)
         census = program.census
-        # What is known of names and values takes more memory than the tree.
-        del program
+        program.release()
     unit = None
     # Compiling uses up the tree, so the rules come first.
     try:

@@ -149,6 +149,13 @@ class AnalysedProgram:
         self._fitting_lists: set[tuple[int, int | None] | None] = set()
         """Parameters, by identity, and lengths of lists that they accept; None if the length is not known."""
 
+    def release(self) -> None:
+        """Let go of all that is known of the text, which takes as much memory as its tree; it is of no use then.
+
+        What was computed of a program knows the program, so without this it would stay until the collector comes.
+        """
+        self.__dict__.clear()
+
     def stop_if_outdated(self) -> None:
         """Do nothing while the text is the newest one.
 
