@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from elitescript.assist.names import Names
 from elitescript.commands.definition.plausibility import ArmFacts
-from elitescript.language.diagnostics import Diagnostic, Edit
+from elitescript.language.diagnostics import Diagnostic, Edit, Outdated
 from elitescript.language.garbage import without_collection
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse, translated
@@ -220,6 +220,11 @@ class Document:
 
     @cached_property
     def _written(self) -> WrittenProgram:
+        # Each of them takes a while for a long text.
+        for step in ("translation", "parsed", "program"):
+            if self.is_outdated:
+                raise Outdated
+            getattr(self, step)
         return WrittenProgram(self.program)
 
     @cached_property
