@@ -146,7 +146,7 @@ class AnalysedProgram:
         # Short programs do without: everything is written where it is used.
         from elitescript.values.program import Values
 
-        return Values(self.symbols, self.presets)
+        return Values(self.symbols, self.presets, self.profile)
 
     @cached_property
     def constants(self) -> Constants:

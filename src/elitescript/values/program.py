@@ -7,6 +7,7 @@ from collections.abc import Collection
 
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
 from elitescript.values.description import DEPTH_MAX, UNKNOWN, Shape, Value
 from elitescript.values.evaluation import Evaluation
 from elitescript.values.state import GivenUp
@@ -18,14 +19,17 @@ class Values:
     Args:
         symbols: of its text.
         presets: names of globals that have a value before the program begins.
+        profile: the firmware that it is for; the newest without.
 
     Attributes:
         is_known: False if the program is nested too deep, or takes too long: then everything is unknown.
     """
 
-    def __init__(self, symbols: Symbols, presets: Collection[str] = ()) -> None:
+    def __init__(
+        self, symbols: Symbols, presets: Collection[str] = (), profile: Profile = PROFILES[DEFAULT_FIRMWARE]
+    ) -> None:
         self.symbols = symbols
-        self._evaluation = Evaluation(symbols, presets)
+        self._evaluation = Evaluation(symbols, presets, profile)
         self.is_known = True
         try:
             self._evaluation.run()

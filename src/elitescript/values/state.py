@@ -13,6 +13,7 @@ from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.options import LINE, SCRIPT, SECONDARY
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import THREAD_STARTER, Symbols
+from elitescript.messages.profile import Profile
 from elitescript.values.description import (
     BOTTOM,
     DICT,
@@ -72,14 +73,16 @@ class State:
     Args:
         symbols: of its text.
         presets: names of globals that have a value before the program begins.
+        profile: the firmware that it is for.
 
     Attributes:
         values: what each expression is.
     """
 
-    def __init__(self, symbols: Symbols, presets: Collection[str] = ()) -> None:
+    def __init__(self, symbols: Symbols, presets: Collection[str], profile: Profile) -> None:
         self.symbols = symbols
         self.presets = presets
+        self.profile = profile
         self.values: dict[ast.AST, Value] = {}
         self.sites = Sites()
         self._functions: dict[Scope, Function] = {}
