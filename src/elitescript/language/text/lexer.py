@@ -207,6 +207,7 @@ class TextScanner:
         text, lexed = self.text, self.lexed
         blank, word = self.blank, _word(name_pattern(text)).match
         position, size = 0, len(text)
+        split = 0
         while position < size:
             found = blank(text, position)
             start = found.end() if found else position
@@ -216,14 +217,19 @@ class TextScanner:
             if first == "\n":
                 self.line += 1
                 position = start + 1
+                split = 0
             elif first == "#" or (first == "\uff03" and self._notes_comment(start)):
                 position = self._comment(start)
+                split = 0
             elif first == "\\" and text[start + 1 : start + 2] == "\n":
+                # As Python's tokenizer has it: the first blanks before a backslash indent what stands below.
+                split = split or indentation_width(text[position:start])
                 self._fill(start, start + 2, " ")
                 self.line += 1
                 position = start + 2
             else:
-                logical = LogicalLine(start, self.line, indentation_width(text[position:start]))
+                logical = LogicalLine(start, self.line, split or indentation_width(text[position:start]))
+                split = 0
                 if named := word(text, start):
                     logical.word = named.group()
                 self._begins(logical, position)
