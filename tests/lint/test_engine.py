@@ -185,6 +185,8 @@ class TestGarbage:
             "x = " + "1 + " * 3000 + "1",
             "x = " + "-" * 3000 + "1",
             "x" + ".a" * 3000,
+            "x" + ".a" * 900,
+            "x == y" + ".a" * 900,
             "movej(" + "[" * 90 + "]" * 90 + ")",
             "if a: b\n" + "".join(" " * n + "if a:\n" for n in range(1, 150)),
             "while True:\n  if a:\n    pass\n" + "  elif a:\n    pass\n" * 900,
@@ -193,7 +195,7 @@ class TestGarbage:
             "while a:\n" + "".join("  " * n + "while a:\n" for n in range(1, 90)) + "  " * 90 + "pass",
             "def f():\n" + "".join("  " * n + "def f():\n" for n in range(1, 90)) + "  " * 90 + "return f()",
         ],
-        ids=range(11),
+        ids=range(13),
     )
     def test_deep_texts_never_raise(self, text):
         check_source(SourceFile("<deep>", text), profile())

@@ -134,7 +134,11 @@ def _findings(program: AnalysedProgram) -> list[Diagnostic]:
     rules = [rule for rule in rules if not (rule.needs_all_lines and program.parsed.has_errors)]
     found: list[Diagnostic] = []
     for rule in rules:
-        findings = list(rule.check(program))
+        try:
+            findings = list(rule.check(program))
+        except RecursionError:
+            # Expressions nested deeper than it can follow: it says nothing of such a text.
+            continue
         lines = {program.span(finding.where).line for finding in findings if isinstance(finding.where, ast.AST)}
         for finding in findings:
             passed = _passed(finding, program)

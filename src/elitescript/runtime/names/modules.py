@@ -146,10 +146,10 @@ class ModuleShelf:
             path: Facade = vars(self.facade("os"))["path"]
             return path
         if name in SHARED_NAMES:
-            names = _chosen(vars(real(name)), SHARED_NAMES[name])
+            names = _chosen(real(name), SHARED_NAMES[name])
             names = {key: forwarded(item) if type(item) is FunctionType else item for key, item in names.items()}
         elif name in COPIED_NAMES:
-            names = _chosen(vars(self.copy(name)), COPIED_NAMES[name])
+            names = _chosen(self.copy(name), COPIED_NAMES[name])
             if name in _FIXES:
                 _FIXES[name](names)
             if name == "collections":
@@ -191,12 +191,14 @@ def _refusal(name: str) -> str:
     return said("the module {name!r} is not available to programs", name=name)
 
 
-def _chosen(space: dict[str, Any], wanted: str) -> dict[str, Any]:
+def _chosen(module: ModuleType, wanted: str) -> dict[str, Any]:
     """Return the wanted names of a module that exist; never a module."""
+    space = vars(module)
     if wanted == "*":
         public = space.get("__all__") or [name for name in space if not name.startswith("_")]
         return {name: space[name] for name in public if not isinstance(space[name], ModuleType)}
-    return {name: space[name] for name in wanted.split() if name in space}
+    # Some are made when they are first asked for, such as `typing.Match` since Python 3.13.
+    return {name: getattr(module, name) for name in wanted.split() if hasattr(module, name)}
 
 
 def _own_wraps(names: dict[str, Any]) -> None:

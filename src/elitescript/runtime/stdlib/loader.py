@@ -19,7 +19,7 @@ from typing import Any, Final
 from elitescript.errors import InternalError
 from elitescript.language import modules
 
-KNOWN_PYTHONS: Final = ((3, 11), (3, 12), (3, 13))
+KNOWN_PYTHONS: Final = ((3, 11), (3, 12), (3, 13), (3, 14))
 """Versions whose modules were tested as copies; another one may import other names."""
 
 ABSENT: Final = object()
