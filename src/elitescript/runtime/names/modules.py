@@ -299,7 +299,18 @@ def _annotations(cls: type) -> dict[str, Any]:
     return dict(vars(cls).get("__annotations__", {}))
 
 
+class _Variables(metaclass=Sealed):
+    """Stands for a context of variables, which programs do not have; a thread of Python 3.14 is run in one."""
+
+    __slots__ = ()
+
+    def run(self, function: Callable[..., Any], *args: Any) -> Any:
+        """Call a function."""
+        return function(*args)
+
+
 _REPLACEMENTS: Final[dict[str, Any]] = {
+    "_contextvars": SimpleNamespace(Context=_Variables, copy_context=_Variables),
     "_datetime": ABSENT,
     "_queue": ABSENT,
     "inspect": SimpleNamespace(

@@ -192,6 +192,7 @@ def _system(modules: _Modules) -> SimpleNamespace:
     return SimpleNamespace(
         _getframe=sys._getframe,
         exc_info=sys.exc_info,
+        flags=SimpleNamespace(thread_inherit_context=False),
         excepthook=_no_output,
         float_info=sys.float_info,
         getsizeof=sys.getsizeof,
