@@ -4,6 +4,7 @@ import pytest
 
 from elitescript.language import modules
 from elitescript.language.modules import COPIED_NAMES, OWN_NAMES, SHARED_NAMES
+from elitescript.runtime.names.identities import STEP
 from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.names.own_modules import _MAKERS
 from tests.runtime.machine import run
@@ -230,3 +231,20 @@ textmsg(decimal.Decimal(1) / 3)
         import decimal
 
         assert decimal.getcontext().prec == 28
+
+
+def test_copies_note_what_id_gives_where_a_program_can_see_it():
+    """Otherwise they note addresses, which takes less time."""
+    bench = run(
+        "global a\nimport copy\na = [1]\nmemo = {id(a): 'known'}\ntextmsg(copy.deepcopy([a], memo))\n"
+        "exec('global Own\\nclass Own:\\n  def __deepcopy__(self, memo):\\n    memo[id(a)] = 2"
+        "\\n    return copy.deepcopy(a, memo)')\n"
+        "textmsg(copy.deepcopy(Own()))\n"
+    )
+    assert bench.log == ["['known']", "2"]
+
+
+@pytest.mark.parametrize("name", ["copy", "elicopy"])
+def test_copies_of_which_a_program_sees_nothing_number_nothing(name):
+    bench = run(f"a = [[1], {{}}]\nb = {name}.deepcopy(a)\nb[0].append(2)\ntextmsg(a, b)\ntextmsg(id(a))\n")
+    assert bench.log == ["[[1], {}][[1, 2], {}]", str(STEP)]

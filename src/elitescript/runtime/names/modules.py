@@ -80,6 +80,9 @@ class ModulePort(Protocol):
     def build_class(self, *args: Any, **options: Any) -> type:
         """Make a class, as the statement does."""
 
+    def numbering(self) -> Callable[[Any], int]:
+        """Return what gives the number that `id` gives of a value; 0 for one that is its own copy."""
+
     def copy_names(self) -> dict[str, dict[str, Any]]:
         """Return names that private copies find before they run, by module: `id`."""
 
@@ -92,7 +95,7 @@ class ModuleShelf:
         scheduler: runs its threads.
     """
 
-    __slots__ = ("_facades", "_is_loading_threads", "_loader", "_port", "_scheduler")
+    __slots__ = ("_facades", "_is_loading_threads", "_is_memo_shown", "_loader", "_port", "_scheduler")
 
     def __init__(self, port: ModulePort, scheduler: Scheduler) -> None:
         self._port = port
@@ -100,6 +103,7 @@ class ModuleShelf:
         self._facades: dict[str, Facade] = {}
         self._loader: CopyLoader | None = None
         self._is_loading_threads = False
+        self._is_memo_shown = False
 
     def import_module(
         self,
@@ -152,6 +156,8 @@ class ModuleShelf:
             names = _chosen(self.copy(name), COPIED_NAMES[name])
             if name in _FIXES:
                 _FIXES[name](names)
+            if name == "copy":
+                names["deepcopy"] = self._deepcopy(names["deepcopy"])
             if name == "collections":
                 names["abc"] = self.facade("collections.abc")
         else:
@@ -176,9 +182,33 @@ class ModuleShelf:
         outer = self._is_loading_threads
         self._is_loading_threads = outer or name in ("queue", "threading")
         try:
-            return self._loader.load(name)
+            module = self._loader.load(name)
         finally:
             self._is_loading_threads = outer
+        if name == "copy" and self._is_memo_shown:
+            vars(module)["id"] = self._port.numbering()
+        return module
+
+    def show_memo(self) -> None:
+        """Have `deepcopy` note objects by the numbers that `id` gives, not by addresses, which are found faster.
+
+        Called before the program can see what a `deepcopy` notes.
+        """
+        if not self._is_memo_shown:
+            self._is_memo_shown = True
+            if self._loader is not None:
+                self.copy("copy")
+
+    def _deepcopy(self, copied: Callable[..., Any]) -> Callable[..., Any]:
+        def deepcopy(x: Any, memo: Any = None) -> Any:
+            """Return a copy of the value and of all that it holds."""
+            if memo is None:
+                return copied(x)
+            self.show_memo()
+            return copied(x, memo)
+
+        deepcopy.__qualname__ = deepcopy.__name__
+        return deepcopy
 
 
 def _refusal(name: str) -> str:
