@@ -1,4 +1,6 @@
 import importlib
+import sys
+from types import ModuleType
 
 import pytest
 
@@ -8,6 +10,7 @@ from elitescript.runtime.names.identities import STEP
 from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.names.own_modules import _MAKERS
 from tests.runtime.machine import run
+from tools.modules_page import LEFT_OUT
 
 
 def logged(body):
@@ -30,9 +33,22 @@ def test_every_module_can_be_imported_and_has_something(name):
 def test_every_name_in_the_table_is_one_of_the_module(name):
     """A slip of the pen would show as a missing name, and only when a program asks for it."""
     listed = {**SHARED_NAMES, **COPIED_NAMES}[name]
-    real = vars(importlib.import_module(name))
+    real = importlib.import_module(name)
     newer = {"ShutDown", "UTC", "member", "nonmember", "StrEnum", "override"}
-    assert listed == "*" or {item for item in listed.split() if item not in real} <= newer
+    assert listed == "*" or {item for item in listed.split() if not hasattr(real, item)} <= newer
+
+
+@pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="the page is about the names of Python 3.11")
+@pytest.mark.parametrize("name", sorted({*SHARED_NAMES, *COPIED_NAMES}))
+def test_the_page_of_modules_names_all_that_is_left_out(name):
+    real = importlib.import_module(name)
+    public = getattr(real, "__all__", None) or [item for item in vars(real) if not item.startswith("_")]
+    public = {item for item in public if not isinstance(getattr(real, item), ModuleType)}
+    found = logged(f"import {name} as m\ntextmsg(' '.join([n for n in dir(m) if n[0] != '_']))")
+    left_out = [item for items, _ in LEFT_OUT.get(name, ()) for item in items.split()]
+    assert sorted(left_out) == sorted(public - set(found[0].split()))
+    listed = {**SHARED_NAMES, **COPIED_NAMES}[name]
+    assert listed == "*" or set(found[0].split()) - {"abc"} == {item for item in listed.split() if hasattr(real, item)}
 
 
 @pytest.mark.parametrize("name", sorted(OWN_NAMES))
