@@ -6,18 +6,21 @@ import ast
 import re
 import textwrap
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Final
 
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.parser import parse
-from elitescript.language.text.source import SourceFile
+from elitescript.language.text.source import SourceFile, TreeFacts
 from elitescript.models.model import RobotModel, load_model
+from elitescript.paths import PROGRAM_SUFFIX
 from elitescript.program_tree import (
     Configuration,
     Generated,
     GlobalVariable,
+    Row,
     Task,
     TaskFileError,
     generated,
@@ -30,12 +33,13 @@ from elitescript.program_tree.checking import tree_doubts
 from elitescript.program_tree.script.writing import Problem
 from elitescript.records import record, replace
 from elitescript.said import said
-from elitescript.untrusted.files import Kind, opened, read_bytes
+from elitescript.untrusted.files import PROGRAM, Kind, opened, read_bytes
 
 _TASK: Final = Kind("task", 64 << 20)
 _HEAD_BYTES: Final = 1 << 16
 _ARM: Final = re.compile(r"<EliTask\b[^>]*?\srobotType\s*=\s*[\"']([^\"'<]*)")
 _MARK: Final = "$ LINE"
+_LINE_MARK: Final = re.compile(r"\$ LINE: \((\d{1,9}), \"((?:[^\"\\]|\\.)*)\"")
 _CONFIGURATION: Final = Kind("configuration", 64 << 20)
 
 
@@ -186,6 +190,50 @@ def _runnable(name: str, make: Callable[[], TaskProgram]) -> SourceFile:
     return source
 
 
+def pendant_source(path: str | Path, task_dir: str | Path | None = None) -> SourceFile:
+    """Return the script that the pendant has written beside a graphical program, with the node of each line.
+
+    The nodes are those of its line marks; the tree, if it can be read, says in which node each of them stands.
+
+    Raises:
+        UsageError: there is no such script, or it cannot be read.
+        ProgramError: it is not UTF-8.
+    """
+    path = Path(path)
+    script = path.with_name(f"{path.name}{PROGRAM_SUFFIX}")
+    if not script.is_file():
+        raise UsageError(
+            said("--generated: {script}, which the pendant writes beside a task, is not there", script=script)
+        )
+    source = SourceFile.from_bytes(str(script), read_bytes(script, PROGRAM))
+    try:
+        program = task_program(path, task_dir)
+    except (UsageError, TaskFileError):
+        return replace(source, places=_marked_places(source, ()), tree=TreeFacts())
+    tree = TreeFacts(program.arm, (), program.script.installation, program.script.variables)
+    return replace(source, places=_marked_places(source, program.script.rows), tree=tree)
+
+
+def _marked_places(source: SourceFile, rows: tuple[Row, ...]) -> tuple[str, ...]:
+    """Return the node of each line by the marks of a script: that of the nearest mark that is not indented further."""
+    places: list[str] = []
+    marks: list[tuple[int, str]] = []
+    for line in source.lines:
+        text = line.lstrip()
+        indent = len(line) - len(text)
+        if text:
+            while marks and marks[-1][0] > indent:
+                marks.pop()
+        if found := _LINE_MARK.match(text):
+            number, mark = int(found[1]), found[2].replace('\\"', '"')
+            is_known = 0 < number <= len(rows) and rows[number - 1].mark == mark
+            while marks and marks[-1][0] >= indent:
+                marks.pop()
+            marks.append((indent, place_of(rows, number) if is_known else f"{number} {mark}"))
+        places.append(marks[-1][1] if marks else "")
+    return tuple(places)
+
+
 def refused_task(path: str | Path, task_dir: str | Path | None = None) -> SourceFile:
     """Return the text in which the problems of a refused task are: its script, or its file."""
     try:
@@ -223,8 +271,27 @@ def _source(program: TaskProgram) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
         found += [diagnostic("N225", 1, 1, problem.text, hint=problem.hint) for problem in missing]
     notes = tuple(row for row in found if not row.is_error)
     lines = tuple(places.get(row, "") for row in script.line_rows)
-    source = SourceFile(str(program.path), script.text, lines, notes, program.arm, script.unset)
+    file_line = _file_lines(program)
+    tree = TreeFacts(program.arm, script.unset, script.installation, script.variables, file_line)
+    source = SourceFile(str(program.path), script.text, lines, notes, tree)
     return source, tuple(row for row in found if row.is_error)
+
+
+def _file_lines(program: TaskProgram) -> Callable[[int], int]:
+    """Return what gives the line of the file in which the node of a line of the script begins; the first for none."""
+    script, task = program.script, program.task
+
+    @cache
+    def lines() -> dict[int, int]:
+        return dict(
+            zip((row.number for row in script.rows), task.lines_of([row.node for row in script.rows]), strict=True)
+        )
+
+    def file_line(line: int) -> int:
+        row = script.line_rows[line - 1] if 0 < line <= len(script.line_rows) else 0
+        return lines().get(row, 0) or 1
+
+    return file_line
 
 
 def _line_of(problem: Problem, statements: dict[int, int], marks: dict[int, int]) -> int:

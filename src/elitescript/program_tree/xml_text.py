@@ -253,6 +253,10 @@ class Document:
         self.text = text
         """The text that was read, in which `offset` of elements counts."""
 
+    def line_ends(self) -> list[int]:
+        """Return the places of line feeds in the text."""
+        return [found.start() for found in re.finditer("\n", self.text)]
+
     def line_of(self, element: Element) -> int:
         """Return the line in which an element begins, from 1; 0: it was not read from a file."""
         return self.text.count("\n", 0, element.offset) + 1 if element.offset >= 0 else 0

@@ -53,6 +53,8 @@ class Generated:
         line_rows: the number of the row of each line; 0: the line belongs to no row.
         problems: found on the way, in the order of rows.
         unset: variables of the configuration without a value, which nodes use; the problems name them.
+        installation: variables of the configuration: the name of each and that in the script.
+        variables: those of the task, in the same form.
     """
 
     text: str
@@ -60,6 +62,8 @@ class Generated:
     line_rows: tuple[int, ...]
     problems: tuple[Problem, ...]
     unset: tuple[str, ...] = ()
+    installation: tuple[tuple[str, str], ...] = ()
+    variables: tuple[tuple[str, str], ...] = ()
 
     @property
     def errors(self) -> tuple[Problem, ...]:
@@ -120,7 +124,10 @@ def generated(
     if any("\n" in line for line in lines):
         # A text with an end of line inside would shift the rows of all lines behind it.
         line_rows = [row for line, row in zip(lines, line_rows, strict=True) for _ in range(line.count("\n") + 1)]
-    return Generated(text, rows, tuple(line_rows), tuple(problems), tuple(unset))
+    installation = tuple((variable.name, identifier(variable.name)) for variable in variables or ())
+    of_task = {**texts.variables, **{identifier(name): name for name in _initial_names(texts.initial)}}
+    pairs = tuple((name, known) for known, name in of_task.items())
+    return Generated(text, rows, tuple(line_rows), tuple(problems), tuple(unset), installation, pairs)
 
 
 def body(script: Script, rows: tuple[Row, ...]) -> None:
@@ -207,22 +214,26 @@ def _unset(rows: tuple[Row, ...], variables: tuple[GlobalVariable, ...]) -> dict
     return {name: row for name, row in found.items() if name not in given}
 
 
-def task_variables(task: Task) -> tuple[str, ...]:
-    """Return the variables of a task that are none of the configuration, in the order of the file."""
-    found: dict[str, None] = {}
+def task_variables(task: Task) -> dict[str, str]:
+    """Return the variables of a task that are none of the configuration, in the order of the file.
+
+    Returns:
+        Their names in the tree by those in the script.
+    """
+    found: dict[str, str] = {}
     for node in _nodes(task):
         is_global = isinstance(node, nodes.Assignment | nodes.Waypoint) and node.is_global
         name = node.variable if isinstance(node, nodes.Loop | nodes.Assignment | nodes.Waypoint) else ""
         if name and not is_global:
-            found[identifier(name)] = None
+            found.setdefault(identifier(name), name)
         for expression in _expressions(node):
             for cell in expression.cells:
                 if isinstance(cell, VariableCell) and not cell.is_global:
-                    found[identifier(cell.name)] = None
+                    found.setdefault(identifier(cell.name), cell.name)
     for node in _nodes(task):
         if isinstance(node, nodes.Timer):
             found.pop(identifier(node.variable), None)
-    return tuple(found)
+    return found
 
 
 def _counted_or_assigned(node: Node) -> str:
@@ -344,6 +355,12 @@ def _initial_values(script: Script, rows: list[Row]) -> list[tuple[str, str, Row
             else:
                 script.note(row, said("an entry of the initial variables is not understood: `{kind}`", kind=entry.name))
     return found
+
+
+def _initial_names(rows: list[Row]) -> list[str]:
+    """Return the variables that are set at each start."""
+    entries = [entry for row in rows if row.node.source is not None for entry in row.node.source.elements]
+    return [name for name, _ in map(_initial_value, entries) if name]
 
 
 def _initial_value(entry: Element) -> tuple[str, str]:
