@@ -7,6 +7,7 @@ import re
 import textwrap
 from collections.abc import Callable
 from functools import cache
+from html import unescape
 from pathlib import Path
 from typing import Final
 
@@ -37,6 +38,8 @@ from elitescript.untrusted.files import PROGRAM, Kind, opened, read_bytes
 
 _TASK: Final = Kind("task", 64 << 20)
 _HEAD_BYTES: Final = 1 << 16
+_FIRST_TAG: Final = re.compile(r"<EliTask\b((?:[^>\"']|\"[^\"]*\"|'[^']*')*)>")
+_ATTRIBUTE: Final = re.compile(r"([\w.:-]+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
 _ARM: Final = re.compile(r"<EliTask\b[^>]*?\srobotType\s*=\s*[\"']([^\"'<]*)")
 _MARK: Final = "$ LINE"
 _LINE_MARK: Final = re.compile(r"\$ LINE: \((\d{1,9}), \"((?:[^\"\\]|\\.)*)\"")
@@ -103,7 +106,8 @@ def _program(name: str, data: bytes, read: Callable[[str], bytes | None]) -> Tas
             file = f"{task.installation}.configuration{ending}"
             content = None
             if _is_name(file):
-                content = next(filter(None, (read(f"{folder}{file}") for folder in _folders(name, task))), None)
+                folders = _folders(name, task.installation_directory)
+                content = next(filter(None, (read(f"{folder}{file}") for folder in folders)), None)
             if content is None:
                 missing.append(file)
             elif ending:
@@ -156,17 +160,35 @@ def _text(path: str, name: str, read: Callable[[str], bytes | None]) -> str | No
     return None
 
 
-def source_of_data(name: str, read: Callable[[str], bytes | None]) -> SourceFile:
-    """Return the script of a graphical program of a task folder, with the node of each line.
+def script_of_data(name: str, read: Callable[[str], bytes | None]) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
+    """Return the script of a graphical program of a task folder, with the node of each line, and what keeps it from
+    running.
 
     Args:
         name: of the `.task` file in that folder.
         read: returns a file of the folder; None if there is none.
-
-    Raises:
-        ProgramError: E004: it is no task, or a node of it cannot be generated.
     """
-    return _runnable(name, lambda: _program(name, read(name) or b"", read))
+    try:
+        return _source(_program(name, read(name) or b"", read))
+    except TaskFileError as error:
+        return SourceFile(name, ""), (_refused(error),)
+
+
+def files_beside(name: str, data: bytes) -> tuple[str, ...]:
+    """Return where the configuration of a graphical program of a task folder may be, and its variables.
+
+    Args:
+        name: of the `.task` file in that folder.
+        data: its content; the first tag is looked at.
+    """
+    found = _FIRST_TAG.search(data[:_HEAD_BYTES].decode("utf-8", "replace"))
+    given = {key: unescape(one or two) for key, one, two in _ATTRIBUTE.findall(found[1])} if found is not None else {}
+    installation = given.get("installationName", "")
+    if not installation or not _is_name(installation):
+        return ()
+    folders = _folders(name, given.get("installationDirectory", ""))
+    endings = (".configuration", ".configuration.variables")
+    return tuple(dict.fromkeys(f"{folder}{installation}{ending}" for ending in endings for folder in folders))
 
 
 def source_of_task(path: str | Path, task_dir: str | Path | None = None) -> SourceFile:
@@ -183,7 +205,7 @@ def _runnable(name: str, make: Callable[[], TaskProgram]) -> SourceFile:
     try:
         program = make()
     except TaskFileError as error:
-        raise ProgramError((diagnostic("E004", error.line, error.column, error.why),), name) from None
+        raise ProgramError((_refused(error),), name) from None
     source, errors = _source(program)
     if errors:
         raise ProgramError(errors, name)
@@ -232,6 +254,10 @@ def _marked_places(source: SourceFile, rows: tuple[Row, ...]) -> tuple[str, ...]
             marks.append((indent, place_of(rows, number) if is_known else f"{number} {mark}"))
         places.append(marks[-1][1] if marks else "")
     return tuple(places)
+
+
+def _refused(error: TaskFileError) -> Diagnostic:
+    return diagnostic("E004", max(1, error.line), max(1, error.column), error.why)
 
 
 def refused_task(path: str | Path, task_dir: str | Path | None = None) -> SourceFile:
@@ -343,9 +369,9 @@ def script_body(source: SourceFile) -> tuple[str, str, str]:
     return unit.name, "\n".join(part for part in (front, f"{defaults}{body}") if part), note
 
 
-def _folders(name: str, task: Task) -> tuple[str, str]:
+def _folders(name: str, directory: str) -> tuple[str, str]:
     """Return the folders of the task folder in which a configuration may be: that of the task, and the one it names."""
-    parts = [part for part in task.installation_directory.replace("\\", "/").split("/") if part not in ("", ".")]
+    parts = [part for part in directory.replace("\\", "/").split("/") if part not in ("", ".")]
     named = "" if ".." in parts else "".join(f"{part}/" for part in parts)
     beside = name.rpartition("/")[0]
     return "" if Path(name).is_absolute() or not beside else f"{beside}/", named

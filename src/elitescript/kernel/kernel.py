@@ -23,7 +23,17 @@ from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.parts import PopupWindow, RobotParts
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import OBSERVED, Change, DeviceNoted, Event, Popup, TaskStateChanged, Warned, event_of
+from elitescript.messages.events import (
+    OBSERVED,
+    Alarm,
+    Change,
+    DeviceNoted,
+    Event,
+    Popup,
+    TaskStateChanged,
+    Warned,
+    event_of,
+)
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import profile
@@ -467,6 +477,8 @@ class Kernel:
     def _event(self, event: Event) -> None:
         if type(event) is Warned and self._is_ignored(event):
             return
+        if isinstance(event, Alarm | Warned) and event.line:
+            event = self._with_node(event)
         self._has_happened = True
         if type(event) in _IN_WINDOW:
             self.popup.take(event)
@@ -480,6 +492,18 @@ class Kernel:
         self._on_event(event)
         if self._debugging is not None and self._debugging.debugger is not None:
             self._debugging.debugger.event(event)
+
+    def _with_node(self, event: Alarm | Warned) -> Event:
+        """Return an event with the node of the graphical program that runs, to which its line belongs."""
+        source = self.host.source
+        if source is None or not source.places or event.thread.startswith(SECONDARY_THREAD):
+            return event
+        node = source.place(event.line)
+        if not node or (event.node if isinstance(event, Warned) else event.details.get("node")):
+            return event
+        if isinstance(event, Warned):
+            return replace(event, node=node)
+        return replace(event, details={"node": node, **event.details})
 
     def _change(self, change: Change) -> None:
         self._has_happened = True
