@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from elitescript.cli.program_texts import called_source
+from elitescript.environment.program_file import source_of
 from elitescript.environment.start_values import parse_settings
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.hash_order import may_hold_set, shows_hash_order
@@ -38,7 +38,10 @@ def program_of_any_seed(options: argparse.Namespace) -> Parsed | None:
             return None
         if may_hold_set(parse_settings(options.set)[1].values()):
             return None
-        parsed = parse(called_source(options), Options(strict=getattr(options, "strict", False)))
+        parsed = parse(
+            source_of(path, options.task_dir, is_generated=options.generated),
+            Options(strict=getattr(options, "strict", False)),
+        )
     except (OSError, ProgramError, UsageError):
         # The run reports it.
         return None

@@ -9,7 +9,6 @@ from typing import Final
 
 from elitescript.cli.output.report import TextRunReport
 from elitescript.cli.output.screen import palette_of, progress_on, rendered
-from elitescript.cli.program_texts import called_source
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.run import DOES_NOT_COMPILE, NO_FILE
 from elitescript.cli.watched import watch_for_crashes
@@ -151,7 +150,7 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     robot.set_network_by(COMMAND_LINE)
     robot.reports_signals = False
     robot.set_start(signals)
-    source = called_source(options)
+    source = source_of(path, options.task_dir, is_generated=options.generated)
     report.problems((), source)
     recorder = RunRecorder(robot, Sampling())
     checked = compile_checked(source, robot.profile, robot.text_options(source), presets=presets, arm=robot.model)

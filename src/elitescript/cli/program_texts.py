@@ -8,29 +8,13 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
-from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
-from elitescript.language.text.source import SourceFile
 from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
 from elitescript.records import NamedTuple
 from elitescript.shown import shown, shown_word
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes, read_standard_input
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    import argparse
-
 STANDARD_INPUT: Final = "-"
-
-
-def called_source(options: argparse.Namespace) -> SourceFile:
-    """Return the program of a call: that of its file, or the script that the pendant has written beside it.
-
-    Raises:
-        UsageError: it cannot be read.
-        ProgramError: it is not UTF-8, or a graphical program that cannot be generated.
-    """
-    return source_of(Path(options.file), options.task_dir, is_generated=options.generated)
 
 
 class ProgramText(NamedTuple):

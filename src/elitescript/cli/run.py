@@ -13,7 +13,6 @@ from typing import Any, Final, Literal
 from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
 from elitescript.cli.output.screen import CALLS, Progress, progress_on
 from elitescript.cli.output.trace_file import TraceFile
-from elitescript.cli.program_texts import called_source
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.settings import parse_size
 from elitescript.cli.watched import watch_for_crashes
@@ -96,7 +95,11 @@ def _run(options: argparse.Namespace, report: RunReport) -> int:
         if value is not None:
             accepted(UNTIL, value, name)
     try:
-        source = called_source(options) if options.parsed is None else options.parsed.source
+        source = (
+            source_of(path, options.task_dir, is_generated=options.generated)
+            if options.parsed is None
+            else options.parsed.source
+        )
     except ProgramError as error:
         report.problems(error.problems, refused_source(path))
         return DOES_NOT_COMPILE

@@ -11,9 +11,9 @@ still being compiled, too.
 
 from __future__ import annotations
 
-import json
 from collections import deque
 from collections.abc import Callable, Mapping
+from itertools import accumulate
 from typing import Final, Protocol
 
 from elitescript.commands.definition.plausibility import ArmFacts
@@ -84,11 +84,11 @@ def compiled_job(job: Job, profile: Profile, arm: ArmFacts, ignored: frozenset[s
 def tree_text(files: Mapping[str, bytes]) -> str:
     """Return a graphical program and what stands beside it as one text.
 
-    It is a line of JSON with the name of each file and the number of its characters, then their texts, in which bytes
-    that are not UTF-8 are lone surrogates.
+    For each file it has a line with the numbers of characters of its name and of its text, then these. Bytes that are
+    not UTF-8 are lone surrogates.
     """
     texts = {name: data.decode("utf-8", "surrogateescape") for name, data in files.items()}
-    return f"{json.dumps([[name, len(text)] for name, text in texts.items()])}\n{''.join(texts.values())}"
+    return "".join(f"{len(name)} {len(text)}\n{name}{text}" for name, text in texts.items())
 
 
 def source_of_tree(name: str, text: str) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
@@ -101,12 +101,13 @@ def source_of_tree(name: str, text: str) -> tuple[SourceFile, tuple[Diagnostic, 
     # Imported late: few programs are graphical.
     from elitescript.environment.task_files import script_of_data
 
-    head, _, texts = text.partition("\n")
     files: dict[str, bytes] = {}
     at = 0
-    for file, size in json.loads(head):
-        files[file] = texts[at : at + size].encode("utf-8", "surrogateescape")
-        at += size
+    while at < len(text):
+        start = text.index("\n", at) + 1
+        _, middle, end = accumulate(map(int, text[at:start].split()), initial=start)
+        files[text[start:middle]] = text[middle:end].encode("utf-8", "surrogateescape")
+        at = end
     source, errors = script_of_data(name, files.get)
     if not source.places:
         return source, errors
