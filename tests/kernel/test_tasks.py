@@ -236,7 +236,7 @@ class TestTrees:
         (alarm,) = session.of(Alarm)
         assert alarm.details["node"] == "1 Robot Main Task > 2 Script"
         (found,) = [event for event in session.of(Warned) if event.code == "W265"]
-        assert str(found).startswith("1 Robot Main Task > 2 Script (script line ")
+        assert found.text.startswith("1 Robot Main Task > 2 Script: `[1]` has")
 
     def test_a_node_that_cannot_be_generated_is_named(self):
         session = Session(READY, MemoryEnvironment({"a.task": self.tree("")}))

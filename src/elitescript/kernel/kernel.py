@@ -45,6 +45,7 @@ from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import default_probe, witness
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.controller.views.snapshots import SnapshotBuilder
@@ -496,14 +497,19 @@ class Kernel:
     def _with_node(self, event: Alarm | Warned) -> Event:
         """Return an event with the node of the graphical program that runs, to which its line belongs."""
         source = self.host.source
-        if source is None or not source.places or event.thread.startswith(SECONDARY_THREAD):
+        if source is None or not source.places or not event.thread or event.thread.startswith(SECONDARY_THREAD):
             return event
+        if "#" in event.thread:
+            return event  # of a text of a client, which does not run
         node = source.place(event.line)
-        if not node or (event.node if isinstance(event, Warned) else event.details.get("node")):
+        if not node:
             return event
-        if isinstance(event, Warned):
-            return replace(event, node=node)
-        return replace(event, details={"node": node, **event.details})
+        if isinstance(event, Alarm):
+            return event if "node" in event.details else replace(event, details={"node": node, **event.details})
+        # Reports of a run have its text, and name the node themselves.
+        if self._on_event != self._record:
+            return event
+        return replace(event, text=said("{node}: {text}", node=node, text=event.text))
 
     def _change(self, change: Change) -> None:
         self._has_happened = True

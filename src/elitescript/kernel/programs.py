@@ -463,13 +463,12 @@ class Programs:
 def _as_event(problem: Diagnostic, tick: int, node: str) -> Warned:
     return Warned(
         tick,
-        problem.text,
+        said("{node}: {text}", node=node, text=problem.text) if node else problem.text,
         line=problem.line,
         code=problem.code,
         hint=problem.hint,
         column=problem.column,
         severity=str(problem.severity),
-        node=node,
     )
 
 

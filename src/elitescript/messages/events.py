@@ -116,8 +116,6 @@ class Warned(Happened):
     may have too."""
     is_exception: bool = False
     """Whether an exception has ended a secondary program, or kept one from starting."""
-    node: str = ""
-    """Of a graphical program, the node to which the line belongs."""
 
     @property
     def source(self) -> str:
@@ -126,8 +124,7 @@ class Warned(Happened):
 
     def __str__(self) -> str:
         """Place, severity, code, text and hint in one line."""
-        place = f"{self.node} (script line {self.line})" if self.node else ""
-        place = place or f"line {self.line}" + (f", column {self.column}" if self.column else "") if self.line else ""
+        place = f"line {self.line}" + (f", column {self.column}" if self.column else "") if self.line else ""
         kind = f"{self.severity} {self.code}" if self.code else "" if self.severity == "warning" else self.severity
         words = ": ".join(part for part in (place, kind, self.text) if part)
         return f"{words} ({self.hint})" if self.hint else words

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from difflib import SequenceMatcher
 from typing import Any, Final
 
+from elitescript.language.garbage import without_collection
 from elitescript.program_tree.fields import Objects
 from elitescript.program_tree.kinds import BRANCHES, BY_ELEMENT, BY_NODE, Kind
 from elitescript.program_tree.nodes import (
@@ -102,6 +103,7 @@ def nodes_in(node: Node) -> tuple[Node, ...]:
 # ---------------------------------------------------------------- reading
 
 
+@without_collection
 def read_task(data: bytes, name: str = "the file") -> Task:
     """Read a `.task` file.
 

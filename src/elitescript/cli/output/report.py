@@ -208,7 +208,7 @@ class TextRunReport:
             return
         role = event.severity
         kind = self._palette.paint(role, shown_word(f"{event.severity} {event.code}".rstrip()))
-        where = f"{self._words(event.line, event.node)}: " if event.line else ""
+        where = f"{self._source.line_words(event.line)}: " if event.line else ""
         self._problem(event.tick, f"{kind}: {where}{shown(event.text)}")
         if event.hint:
             print(self._palette.paint("hint", f"{'':14}hint: {shown(event.hint)}"), file=self._err)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from typing import Final
 
+from elitescript.language.garbage import without_collection
 from elitescript.program_tree import nodes
 from elitescript.program_tree.cells import Expression, VariableCell
 from elitescript.program_tree.configuration import Configuration, GlobalVariable
@@ -84,6 +85,7 @@ def script_of(
     return generated(task, configuration, variables).text
 
 
+@without_collection
 def generated(
     task: Task, configuration: Configuration | None = None, variables: tuple[GlobalVariable, ...] | None = None
 ) -> Generated:
@@ -93,6 +95,7 @@ def generated(
     script = Script(identifier(task.name or "task"), task.name or "task", given, body)
     parts = [row for row in rows if not row.parent and not row.node.is_suppressed]
     texts = _Parts(task, parts)
+    script.shared = texts.shared
     # Bodies first: the preamble has helpers only if a node needs them.
     script.line(f"def {script.name}():")
     script.level = 1
@@ -373,7 +376,7 @@ def _initial_value(entry: Element) -> tuple[str, str]:
 def _sub_tasks(script: Script, parts: _Parts) -> None:
     script.comment("# SubTask Node Preamble Script.")
     for row in parts.sub_tasks:
-        flow.sub_task(script, row, parts.shared(row))
+        flow.sub_task(script, row)
     script.comment("# Before Start Preamble Script.")
     for row in parts.before_start:
         script.mark(row)
@@ -383,10 +386,10 @@ def _sub_tasks(script: Script, parts: _Parts) -> None:
 def _threads_and_events(script: Script, parts: _Parts) -> None:
     script.comment("# Thread Node Preamble Script.")
     for row in parts.threads:
-        flow.thread(script, row, parts.shared(row))
+        flow.thread(script, row)
     script.comment("# Event Node Preamble Script.")
     for row in parts.events:
-        flow.event(script, row, parts.shared(row))
+        flow.event(script, row)
     for row in parts.others:
         signals.unknown(script, row)
 
