@@ -103,7 +103,7 @@ def random_edit(random: Random, task: Task) -> Task:
             return set_enabled(task, row, random.random() < 0.5)
         case _:
             node = rows[row - 1].node
-            if isinstance(node, nodes.Wait):
+            if isinstance(node, nodes.Wait) and node.kind == "time":
                 return replace(task, row, changed(node, duration=2.5))
             if isinstance(node, nodes.Loop):
                 return replace(task, row, changed(node, count=7, variable=random.choice(("a", "new"))))
@@ -113,7 +113,8 @@ def random_edit(random: Random, task: Task) -> Task:
 
 
 def _is_bound(node: Node) -> bool:
-    return isinstance(node, nodes.Waypoint | nodes.ElseIf | nodes.Else | nodes.Case | MainTask)
+    bound = nodes.Waypoint | nodes.Direction | nodes.Until | nodes.ElseIf | nodes.Else | nodes.Case | MainTask
+    return isinstance(node, bound)
 
 
 def test_copies_of_a_node_that_holds_an_object() -> None:
