@@ -261,12 +261,13 @@ class AnalysedProgram:
         """Uses of names that nothing defines, in what could be read."""
         if any(alias.name == "*" for node in self.nodes(ast.ImportFrom) for alias in node.names):
             return ()
+        unset = () if self.source.tree is None else self.source.tree.unset
         return tuple(
             use
             for use in self.outside
             if not (use.name in KNOWN or use.name in self.unread_names or is_dunder(use.name))
             and use.name not in self.presets
-            and use.name not in self.source.unset
+            and use.name not in unset
             and CATALOGUE.get(use.name) is None
         )
 

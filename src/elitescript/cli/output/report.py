@@ -213,6 +213,12 @@ class TextRunReport:
         if event.hint:
             print(self._palette.paint("hint", f"{'':14}hint: {shown(event.hint)}"), file=self._err)
 
+    def _words(self, line: int, node: str) -> str:
+        """Return a line in words; of a program that stands elsewhere, its event says the node."""
+        if node and not self._source.places:
+            return f"{shown(node)} (script line {line})"
+        return self._source.line_words(line)
+
     def _line(self, tick: int, text: str) -> None:
         """Write a line of standard output; the texts in it have been shown."""
         self._write_line(f"{seconds(tick):10.3f} s  {text}\n")
@@ -223,7 +229,8 @@ class TextRunReport:
 
     def _alarm(self, alarm: Alarm) -> None:
         thread = "" if alarm.thread in ("", "main") else f", thread {shown_word(alarm.thread)}"
-        where = f" in {self._source.line_words(alarm.line)}{thread}" if alarm.line else thread
+        words = self._words(alarm.line, str(alarm.details.get("node", "")))
+        where = f" in {words}{thread}" if alarm.line else thread
         paint = self._palette.paint
         kind = paint("alarm", f"ALARM {shown_word(alarm.code)}")
         self._problem(alarm.tick, f"{kind}{where}: {shown_word(alarm.class_name)}: {shown(alarm.text)}")

@@ -305,6 +305,7 @@ def _state(request: VerbRequest, output: Output) -> dict[str, Any]:
         "safety_mode": robot.safety_mode.name,
         "task_state": robot.task_state.name,
         "line": robot.line,
+        "node": {"row": robot.node[0], "text": robot.node[1]} if robot.node[0] else None,
         "joints": robot.q_actual,
         "tcp_pose": robot.tcp_pose_actual,
         "is_moving": robot.is_moving,

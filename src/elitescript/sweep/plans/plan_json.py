@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.sweep.plans.plan import Choices, Disturbance, Failure, Plan, Row, Variation
+from elitescript.sweep.plans.trees import tree_of
 
 Check = Callable[[Any, str], Any]
 """Returns a value that was read, or raises `UsageError` with the place that it is given."""
@@ -192,6 +193,7 @@ def _choices(value: Any, place: str) -> Choices:
 _PLAN: Final[Mapping[str, Check]] = {
     "program": _text,
     "program_name": _text,
+    "tree": tree_of,
     "files": _table(_text),
     "world": _text,
     "world_name": _text,
