@@ -129,6 +129,7 @@ class ProgramSource:
     Args:
         path: the program.
         text: its text, if that is not the one of the file.
+        places: of such a text, if it is the script of a graphical program: the node of each line.
         world: path of a world file, or a function that makes what is around the robot, for each execution anew.
         levels: signals at the start (`--set` of signals).
         schedule: time, s, name and value of signals that change later; see `VirtualRobot.at`.
@@ -153,6 +154,7 @@ class ProgramSource:
         path: str | Path,
         *,
         text: str | None = None,
+        places: tuple[str, ...] = (),
         world: str | Path | Callable[[], Surroundings] | None = None,
         levels: Mapping[str, Value] | None = None,
         schedule: Iterable[tuple[float, str, Value]] = (),
@@ -163,7 +165,7 @@ class ProgramSource:
         network_by: Way = PYTHON,
         **options: Any,
     ) -> None:
-        source = source_of(Path(path)) if text is None else SourceFile(str(path), text)
+        source = source_of(Path(path)) if text is None else SourceFile(str(path), text, places)
         self.name, self.text = source.name, source.text
         self._source = source
         self._plain: CompiledUnit | None = None

@@ -47,6 +47,7 @@ class TaskFileError(UsageError):
     def __init__(self, name: str, why: str, line: int = 0, column: int = 0) -> None:
         place = ":".join([name, *(str(number) for number in (line, column) if number)])
         super().__init__(said("{place}: {why}", place=place, why=why))
+        self.name = name
         self.why = why
         self.line = line or 1
         self.column = column or 1

@@ -18,13 +18,14 @@ from elitescript.conversation.messages import Open, Program, Save, Service, Sett
 from elitescript.errors import UsageError
 from elitescript.models.datafile import check_name
 from elitescript.models.model import is_model_file
+from elitescript.paths import PROGRAM_SUFFIX
 from elitescript.records import NamedTuple, replace
 from elitescript.studio.files import Programs
 from elitescript.studio.last_runs import LastRuns
 from elitescript.studio.memory import Memory
 from elitescript.studio.meshes import Meshes
 from elitescript.studio.opened import OpenFile
-from elitescript.studio.services import EditorServices, Place
+from elitescript.studio.services import PROGRAM_NAME, EditorServices, Place
 
 WAITING_MAX: Final = 64
 """Requests to editor services that wait for an answer; further ones are refused."""
@@ -174,11 +175,13 @@ class Session:
             check_name(robot)
         if robot is not None and is_model_file(robot):
             robot = str(self._inside(robot))
-        self._opened.edited(message.text)
+        file = self._opened
+        file.edited(message.text)
         self._last_runs.program(message.version, message.text)
         options = {"model": robot, "firmware": given.firmware}
         chosen = {name: value for name, value in options.items() if value is not None}
-        self._services.put(message.version, message.text, chosen, world)
+        name = PROGRAM_NAME if file.task is None else f"{file.name}{PROGRAM_SUFFIX}"
+        self._services.put(message.version, message.text, chosen, world, name)
         if self._is_checked_here:
             self._let(None, self._check, message.version)
         else:

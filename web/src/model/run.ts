@@ -30,6 +30,8 @@ export class Run {
   readonly samples = new SampleTable();
   /** By the name of the thread, `main` first. */
   readonly lines = new Map<string, ThreadLines>();
+  /** Times at which nodes of a graphical program began, by their numbers. */
+  readonly nodes = new Map<number, number[]>();
   readonly moves: Move[] = [];
   /** In the order in which they happened. */
   readonly events: RunEvent[] = [];
@@ -83,6 +85,9 @@ export class Run {
         break;
       case "lines":
         this.pass(message.thread, message.t, message.line);
+        break;
+      case "marks":
+        this.begin(message.t, message.node);
         break;
       case "moves":
         for (const move of message.list) this.move(move);
@@ -183,6 +188,14 @@ export class Run {
       known.line.push(line[index]!);
     }
     this.lines.set(thread, known);
+  }
+
+  private begin(times: readonly number[], nodes: readonly number[]): void {
+    nodes.forEach((node, index) => {
+      const known = this.nodes.get(node);
+      if (known === undefined) this.nodes.set(node, [times[index]!]);
+      else known.push(times[index]!);
+    });
   }
 
   private move(move: Move): void {

@@ -63,7 +63,7 @@ function Message({ studio, event }: { studio: Studio; event: RunEvent }) {
       onFocus={() => point(studio, event)} onBlur={() => studio.point(null)}
     >
       <span class="number time">{seconds(event.t)}</span>
-      <span class="number line">{line > 0 ? text("line_short", { line }) : ""}</span>
+      <span class="number line">{line > 0 ? studio.nodeAt(line).split(" > ").at(-1) || text("line_short", { line }) : ""}</span>
       <span class={`kind ${level(event)}`}>{text(NAMES[event.type as Kind])}</span>
       <span class="said">{said}</span>
     </button>
