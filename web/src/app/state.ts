@@ -14,7 +14,7 @@ export interface RunState {
 
 /** Where a run has ended: its line, or the node of a graphical program. */
 function atLine(studio: Studio, kind: "alarm" | "stuck", t: string, line: number): string {
-  const node = studio.nodeAt(line);
+  const node = studio.nodeInRun(line);
   return node === "" ? text(`state_${kind}`, { t, line }) : text(`state_${kind}_node`, { t, node });
 }
 

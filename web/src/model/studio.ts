@@ -2,7 +2,7 @@
 
 import { computed, signal } from "@preact/signals-core";
 import type {
-  Ability, ControlAction, ControllerState, FromSource, Json, Moment, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
+  Ability, ControlAction, ControllerState, FromSource, Json, Moment, ProgramTree, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
 } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
 import { fromBase64, readRecording } from "../source/recording.ts";
@@ -163,7 +163,7 @@ export class Studio implements Listener {
     () => (this.link.value === "lost" ? words("link_lost") : null),
   );
   /** Texts by version, of which a run may begin. */
-  private readonly told = new Map<number, string>();
+  private readonly told = new Map<number, { readonly text: string; readonly tree: ProgramTree | null }>();
   private readonly watching: () => void;
   private nextNotice = 1;
   /** The time that people chose: the cursor is there as soon as the run is that long; Infinity: at its end. */
@@ -253,7 +253,7 @@ export class Studio implements Listener {
   /** The run of the text on the screen, whose lines are those of the tree; null if there is none. */
   readonly runOfTree = computed((): Run | null => {
     const run = this.run.value;
-    return run !== null && run.text === this.file.value?.text ? run : null;
+    return run !== null && run.tree !== null && run.tree === this.tree.value ? run : null;
   });
 
   /** Rows of the tree in which threads are at the cursor; the first is that of the main thread, 0 if it is in none. */
@@ -284,9 +284,14 @@ export class Studio implements Listener {
     return isRefused || this.isOverdue.value ? firstChange(run.text, this.text.value) : 0;
   });
 
-  /** The node of a line of the text that ran, as people say it; "" where it is no graphical program. */
+  /** The node of a line of the present text, as people say it; "" where it is no graphical program. */
   nodeAt(line: number): string {
     return nodeOf(this.tree.value, line);
+  }
+
+  /** The same of a line of the text that ran. */
+  nodeInRun(line: number): string {
+    return this.run.value?.nodeAt(line) ?? "";
   }
 
   /** The run that is known at a time: while the newest is not that far, the one before, which is stale there. */
@@ -774,7 +779,7 @@ export class Studio implements Listener {
     // A text is kept as a draft of the file that the source has open.
     this.isUntold = this.awaitsFile;
     if (!this.can("edit") || this.awaitsFile) return;
-    this.told.set(this.version.value, this.text.value);
+    this.told.set(this.version.value, { text: this.text.value, tree: this.tree.value });
     if (this.told.size > TOLD_MAX) this.told.delete(this.told.keys().next().value!);
     this.transmit({ type: "program", version: this.version.value, text: this.text.value, options: this.options.value });
   }
@@ -867,9 +872,10 @@ export class Studio implements Listener {
     const last = this.run.value ?? this.parked;
     this.parked = null;
     // By the time that it begins the text may be another one.
-    const text = this.told.get(message.version) ?? (message.version === this.version.value ? this.text.value : (last?.text ?? ""));
+    const present = { text: this.text.value, tree: this.tree.value };
+    const { text, tree } = this.told.get(message.version) ?? (message.version === this.version.value ? present : (last ?? { text: "", tree: null }));
     for (const version of this.told.keys()) if (version < message.version) this.told.delete(version);
-    const run = new Run(message.run, message.version, message.options, text);
+    const run = new Run(message.run, message.version, message.options, text, tree);
     const before = this.before.value;
     // A run that was replaced early shows less than the one before it.
     const fuller = last !== null && (last.ended !== null || before === null || last.known_s >= before.known_s) ? last : before;

@@ -66,6 +66,11 @@ export function nodeOf(tree: ProgramTree | null | undefined, line: number): stri
   return tree?.places[tree.lines[line - 1] ?? 0] ?? "";
 }
 
+/** The node alone of a place that names the one around it, too. */
+export function innerNode(place: string): string {
+  return place.split(" > ").at(-1)!;
+}
+
 /** Rows of which something ran, with those around them. */
 export function rowsThatRan(tree: ProgramTree, run: Run): ReadonlySet<number> {
   const ran = new Set<number>();

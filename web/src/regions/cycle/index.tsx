@@ -48,7 +48,7 @@ export function Cycle({ studio }: { studio: Studio }) {
         const row = list[index]!;
         return columns.map((name) => cell(studio, row, name)).concat(
           <td key="text" class="source" title={source[row.line - 1]?.trim() ?? ""}>
-            {studio.nodeAt(row.line) !== "" && <strong>{`${studio.nodeAt(row.line)} `}</strong>}
+            {run.nodeAt(row.line) !== "" && <strong>{`${run.nodeAt(row.line)} `}</strong>}
             {row.line > 0 ? source[row.line - 1]?.trim() : text("line_gone")}
           </td>,
         );

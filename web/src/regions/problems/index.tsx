@@ -120,7 +120,7 @@ function Advice({ studio, problem: { hint, fix }, version }: { studio: Studio; p
 
 /** `cause`: what `check` says of the same, whose advice stands here too. */
 function AlarmRow({ studio, alarm, cause, version }: { studio: Studio; alarm: AlarmReport; cause: Problem | null; version: number }) {
-  const node = studio.nodeAt(alarm.line);
+  const node = studio.nodeInRun(alarm.line);
   const words = text(node === "" ? "alarm" : "alarm_node", { node, line: alarm.line, column: alarm.column, code: alarm.code, text: shortened(alarm.text), t: seconds(alarm.t) });
   return (
     <Row studio={studio} kind="error" severity="error" line={alarm.line} t={alarm.t} words={words} press={() => studio.jump(alarm.t, alarm)}>
@@ -132,7 +132,7 @@ function AlarmRow({ studio, alarm, cause, version }: { studio: Studio; alarm: Al
 }
 
 function ContactRow({ studio, contact }: { studio: Studio; contact: Contact }) {
-  const node = studio.nodeAt(contact.line);
+  const node = studio.nodeInRun(contact.line);
   const words = text(node === "" ? "contact" : "contact_node", {
     node, line: contact.line, first: contact.first, second: contact.second, t: seconds(contact.start_s),
     depth: withUnit(Math.abs(contact.distance_m), "length", studio.display.value),
@@ -146,7 +146,7 @@ function ContactRow({ studio, contact }: { studio: Studio; contact: Contact }) {
 }
 
 function MetRow({ studio, found: { severity, code, line, t, count, text: said, hint } }: { studio: Studio; found: RunFinding }) {
-  const node = studio.nodeAt(line);
+  const node = studio.nodeInRun(line);
   const words = text(node === "" ? (count > 1 ? "met_often" : "met") : count > 1 ? "met_often_node" : "met_node", {
     node, line, severity: text(SEVERITIES[severity]), code, t: seconds(t), count, text: shortened(said),
   });
