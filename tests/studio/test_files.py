@@ -259,7 +259,7 @@ class TestPrograms:
         assert "cell.task" in Programs(folder).names()
         assert Programs(folder).path("cell.task") == folder / "cell.task"
         assert Programs(folder / "cell.task").names() == ["cell.task"]
-        with pytest.raises(UsageError, match="the relative path of a .script or .task file is needed"):
+        with pytest.raises(UsageError, match=r"the relative path of a \.script or \.task file is needed"):
             Programs(folder).path("cell.configuration")
 
     def test_a_file_that_does_not_exist_yet_needs_its_folder(self, tmp_path: Path) -> None:

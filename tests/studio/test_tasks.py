@@ -1,4 +1,4 @@
-"""What a page learns of a graphical program: its tree beside its script, changes by other tools, what is wrong with it."""
+"""What a page learns of a graphical program: its tree and script, changes by other tools, what is wrong with it."""
 
 from __future__ import annotations
 

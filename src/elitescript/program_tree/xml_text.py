@@ -258,6 +258,21 @@ class Document:
         """Return the line in which an element begins, from 1; 0: it was not read from a file."""
         return self.text.count("\n", 0, element.offset) + 1 if element.offset >= 0 else 0
 
+    def end_of(self, element: Element) -> int:
+        """Return where an element ends in the text that was read, in characters; -1: it was not read from a file."""
+        if element.offset < 0:
+            return -1
+        waiting: list[str | Element] = [element]
+        length = 0
+        while waiting:
+            piece = waiting.pop()
+            if isinstance(piece, str):
+                length += len(piece)
+            else:
+                length += len(piece.head) + len(piece.tail)
+                waiting.extend(piece.content)
+        return element.offset + length
+
 
 def read_document(data: bytes, name: str = "the file") -> Document:
     """Return XML as a document.

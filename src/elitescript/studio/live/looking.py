@@ -47,8 +47,7 @@ def look(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> No
         session = DebugSession(
             ProgramSource(
                 job.source.name,
-                text=job.text,
-                places=job.places,
+                source=job.source,
                 world=lambda: closed_world(job.world or None, is_trusted=job.is_trusted),
                 levels=prepared.levels,
                 schedule=prepared.schedule,
