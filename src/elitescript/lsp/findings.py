@@ -23,6 +23,7 @@ from elitescript.lint.program import Span
 from elitescript.lsp.feature import TAGS, Feature
 from elitescript.lsp.positions import Positions
 from elitescript.lsp.session import Session
+from elitescript.lsp.texts import is_tree
 
 SOURCE: Final = "elitescript"
 """Name of the tool beside each finding."""
@@ -168,6 +169,10 @@ class Findings:
 
 def findings_of(session: Session, uri: str, document: Document, last: LastRun | None = None) -> list[types.Diagnostic]:
     """Return the findings of a text and of its last run; slow."""
+    if is_tree(document):
+        from elitescript.lsp import trees
+
+        return trees.findings_of(session, document, SOURCE)
     has_related = any(map(session.client.has, _RELATED))
     positions = session.positions(document)
     found = [shown(problem, positions, uri, has_related=has_related) for problem in diagnostics(document)]
