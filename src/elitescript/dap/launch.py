@@ -18,6 +18,7 @@ from elitescript.kernel.options import OPTIONS, UNTIL, accept, accepted
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import ticks_for
 from elitescript.paths import is_task_name
+from elitescript.world_file import arm_of_program
 
 if TYPE_CHECKING:
     from elitescript.dap.journal_source import JournalSource
@@ -166,10 +167,13 @@ def _source(arguments: Arguments, program: str, task: DebuggedTask | None) -> Pr
         return JournalSource(Path(program), None if until_s is None else ticks_for(until_s))
     options = _robot_options(arguments)
     levels, presets = _start_values(arguments)
+    world = arguments.text("world") if arguments.has("world") else None
+    if task is not None and "model" not in options and (arm := arm_of_program(program, world)):
+        options["model"] = arm
     source = ProgramSource(
         program,
         source=None if task is None else task.task.source,
-        world=arguments.text("world") if arguments.has("world") else None,
+        world=world,
         levels=levels,
         presets=presets,
         until_s=until_s,

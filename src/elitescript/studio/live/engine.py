@@ -290,7 +290,7 @@ class LiveEngine:
             setting.levels,
             setting.presets,
             options.inputs or (),
-            () if (task := self._task_of(text)) is None else task.source.places,
+            **_of_task(self._task_of(text)),
         )
 
     @property
@@ -684,6 +684,11 @@ _REPEATED: Final = frozenset(
     ("run_began", "lines", "marks", "contacts", "moves", "events", "left_out", "cycle", "run_ended")
 )
 """Messages that are sent again for a text with the same code."""
+
+
+def _of_task(task: OpenedTask | None) -> dict[str, Any]:
+    """Return what a job takes over from a graphical program."""
+    return {} if task is None else {name: getattr(task.source, name) for name in ("places", "arm", "unset")}
 
 
 def _with_task(message: Message, task: OpenedTask | None) -> Message:

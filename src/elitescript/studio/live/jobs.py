@@ -36,7 +36,7 @@ class Job:
         levels: signals before the program begins.
         presets: program globals that have a value before it begins.
         inputs: signals that change at a time.
-        places: of the script of a graphical program, the node of each line.
+        places, arm, unset: of the script of a graphical program, as `SourceFile` has them.
     """
 
     name: str
@@ -50,11 +50,13 @@ class Job:
     presets: Mapping[str, Any] = field(default_factory=dict)
     inputs: tuple[SignalInput, ...] = ()
     places: tuple[str, ...] = ()
+    arm: str = ""
+    unset: tuple[str, ...] = ()
 
     @property
     def source(self) -> SourceFile:
         """The text under the name that it has in tracebacks."""
-        return SourceFile(code_name(self.name), self.text, self.places)
+        return SourceFile(code_name(self.name), self.text, self.places, arm=self.arm, unset=self.unset)
 
 
 def job_data(job: Job) -> dict[str, Any]:
@@ -65,7 +67,7 @@ def job_data(job: Job) -> dict[str, Any]:
 def job_of(data: Mapping[str, Any]) -> Job:
     """Return the job of such data."""
     inputs = tuple(SignalInput(*item) for item in data["inputs"])
-    return Job(**{**data, "inputs": inputs, "places": tuple(data["places"])})
+    return Job(**{**data, "inputs": inputs, "places": tuple(data["places"]), "unset": tuple(data["unset"])})
 
 
 def files_of(job: Job) -> list[Path]:
