@@ -16,15 +16,19 @@ from elitescript.assist.document import Document
 from elitescript.environment.task_files import opened_task
 from elitescript.environment.task_places import FileSpan, TaskPlaces
 from elitescript.errors import UsageError
+from elitescript.kernel.arm_facts import arm_facts
+from elitescript.kernel.options import RobotOptions
 from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.lint.program import Span
 from elitescript.lsp.connection import RequestFailed
 from elitescript.lsp.feature import Feature, markup
 from elitescript.lsp.positions import Positions
 from elitescript.lsp.session import Session
+from elitescript.models.model import model_names
 from elitescript.paths import PROGRAM_SUFFIX
 from elitescript.program_tree import Row, nodes
 from elitescript.program_tree.listing import kind_of, name_of, summary_of
+from elitescript.records import replace
 
 LINES_MAX: Final = 40
 """Lines of the script that a hover shows."""
@@ -68,7 +72,7 @@ def _places(document: Document) -> TaskPlaces:
 
 
 def script_of(document: Document) -> Document:
-    """Return the script of a graphical program, to run it.
+    """Return the script of a graphical program, to run it; for the arm that it was made for, if none is chosen.
 
     Raises:
         RequestFailed: it cannot run.
@@ -78,7 +82,10 @@ def script_of(document: Document) -> Document:
         first = task.errors[0]
         where = task.source.place(first.line)
         raise RequestFailed(f"{where}: {first.text}" if where else f"line {first.line}: {first.text}")
-    return Document(f"{document.name}{PROGRAM_SUFFIX}", task.source.text, document.version, document.settings)
+    settings = document.settings
+    if settings.arm is None and task.source.arm in model_names():
+        settings = replace(settings, arm=arm_facts(RobotOptions(model=task.source.arm)))
+    return Document(f"{document.name}{PROGRAM_SUFFIX}", task.source.text, document.version, settings)
 
 
 # ---------------------------------------------------------------- findings
