@@ -36,7 +36,8 @@ from elitescript.records import record, replace
 from elitescript.said import said
 from elitescript.untrusted.files import PROGRAM, Kind, opened, read_bytes
 
-_TASK: Final = Kind("task", 64 << 20)
+TASK: Final = Kind("task", 64 << 20)
+"""Graphical programs."""
 _HEAD_BYTES: Final = 1 << 16
 _FIRST_TAG: Final = re.compile(r"<EliTask\b((?:[^>\"']|\"[^\"]*\"|'[^']*')*)>")
 _ATTRIBUTE: Final = re.compile(r"([\w.:-]+)\s*=\s*(?:\"([^\"]*)\"|'([^']*)')")
@@ -79,11 +80,16 @@ def task_program(path: str | Path, task_dir: str | Path | None = None) -> TaskPr
     Raises:
         UsageError: a file cannot be read, or is not what it should be; with line and column.
     """
-    path = Path(path)
+    return _program_at(Path(path), task_dir, read_bytes(path, TASK, is_stream_allowed=True), [])
+
+
+def _program_at(path: Path, task_dir: str | Path | None, data: bytes, looked_at: list[Path]) -> TaskProgram:
+    """Return the graphical program of a file; `looked_at` gets the paths at which files beside it may be."""
     home = Path(task_dir) if task_dir is not None else path.parent
 
     def read(name: str) -> bytes | None:
         for folder in (path.parent, home):
+            looked_at.append(folder / name)
             try:
                 if (folder / name).is_file():
                     return read_bytes(folder / name, _CONFIGURATION)
@@ -91,7 +97,6 @@ def task_program(path: str | Path, task_dir: str | Path | None = None) -> TaskPr
                 continue
         return None
 
-    data = read_bytes(path, _TASK, is_stream_allowed=True)
     return replace(_program(str(path), data, read), path=path)
 
 
@@ -160,6 +165,53 @@ def _text(path: str, name: str, read: Callable[[str], bytes | None]) -> str | No
     return None
 
 
+@record
+class OpenedTask:
+    """A graphical program as tools show it, whether it can run or not.
+
+    Attributes:
+        source: its script with the node of each line; the file as it is if it is no task.
+        errors: what keeps it from running, in lines of `source`.
+        program: the tree and its script; None if the file is no task, or one beside it is not what it should be.
+        paths: of the files that it is made of, and of those that it would be made of if they were there.
+    """
+
+    source: SourceFile
+    errors: tuple[Diagnostic, ...]
+    program: TaskProgram | None
+    paths: tuple[Path, ...]
+
+
+def opened_task(path: str | Path, task_dir: str | Path | None = None, data: bytes | None = None) -> OpenedTask:
+    """Return a graphical program to show it.
+
+    Args:
+        path: of the `.task` file.
+        task_dir: the task folder; None: the folder of the file.
+        data: the content, if that is not the one of the file.
+
+    Raises:
+        UsageError: a file cannot be read.
+    """
+    path = Path(path)
+    data = read_bytes(path, TASK) if data is None else data
+    looked_at: list[Path] = []
+    try:
+        program = _program_at(path, task_dir, data, looked_at)
+    except TaskFileError as error:
+        found, paths = SourceFile.to_show(str(path), data), (path, *looked_at)
+        return OpenedTask(found, (_refusal(error, str(path)),), None, paths)
+    source, errors = _source(program)
+    return OpenedTask(source, errors, program, (path, *looked_at))
+
+
+def _refusal(error: TaskFileError, name: str) -> Diagnostic:
+    """Return what is wrong with a task of a name; what is wrong with a file beside it has its own place in the text."""
+    if error.name != name:
+        return diagnostic("E004", 1, 1, str(error))
+    return diagnostic("E004", max(1, error.line), max(1, error.column), error.why)
+
+
 def script_of_data(name: str, read: Callable[[str], bytes | None]) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
     """Return the script of a graphical program of a task folder, with the node of each line, and what keeps it from
     running.
@@ -171,7 +223,7 @@ def script_of_data(name: str, read: Callable[[str], bytes | None]) -> tuple[Sour
     try:
         return _source(_program(name, read(name) or b"", read))
     except TaskFileError as error:
-        return SourceFile(name, ""), (_refused(error),)
+        return SourceFile(name, ""), (_refusal(error, name),)
 
 
 def files_beside(name: str, data: bytes) -> tuple[str, ...]:
@@ -205,7 +257,7 @@ def _runnable(name: str, make: Callable[[], TaskProgram]) -> SourceFile:
     try:
         program = make()
     except TaskFileError as error:
-        raise ProgramError((_refused(error),), name) from None
+        raise ProgramError((_refusal(error, name),), name) from None
     source, errors = _source(program)
     if errors:
         raise ProgramError(errors, name)
@@ -256,16 +308,12 @@ def _marked_places(source: SourceFile, rows: tuple[Row, ...]) -> tuple[str, ...]
     return tuple(places)
 
 
-def _refused(error: TaskFileError) -> Diagnostic:
-    return diagnostic("E004", max(1, error.line), max(1, error.column), error.why)
-
-
 def refused_task(path: str | Path, task_dir: str | Path | None = None) -> SourceFile:
     """Return the text in which the problems of a refused task are: its script, or its file."""
     try:
         return _source(task_program(path, task_dir))[0]
     except TaskFileError:
-        return SourceFile.to_show(str(path), read_bytes(path, _TASK, is_stream_allowed=True))
+        return SourceFile.to_show(str(path), read_bytes(path, TASK, is_stream_allowed=True))
 
 
 def _source(program: TaskProgram) -> tuple[SourceFile, tuple[Diagnostic, ...]]:

@@ -26,6 +26,7 @@ from elitescript.lint.program import Span
 from elitescript.lsp.feature import TAGS, Feature
 from elitescript.lsp.positions import Positions
 from elitescript.lsp.session import LastFindings, Session
+from elitescript.lsp.texts import is_tree
 from elitescript.records import NamedTuple
 
 SOURCE: Final = "elitescript"
@@ -189,7 +190,7 @@ async def found_in_turn(session: Session, uri: str, document: Document) -> Async
     twin, last, before = session.twin(document), session.last_run(uri), session.last_findings.get(uri)
     try:
         quick = None
-        if before is None or before.rows is not document.source.lines:
+        if not is_tree(document) and (before is None or before.rows is not document.source.lines):
             quick = await session.in_thread(_found, session, uri, twin, last, before, False)
             if not is_open():
                 return
@@ -222,6 +223,10 @@ def _found(
     before: LastFindings | None,
     are_all: bool,
 ) -> Found:
+    if is_tree(document):
+        from elitescript.lsp import trees
+
+        return Found(trees.findings_of(session, document, SOURCE), (), True)
     has_related = any(map(session.client.has, _RELATED))
     positions = session.positions(document)
     problems: Sequence[Problem] = diagnostics(document) if are_all else quick_diagnostics(document)

@@ -94,6 +94,12 @@ class Task:
         offsets = [-1 if node.source is None else node.source.offset for node in nodes]
         return [0 if offset < 0 else bisect_left(ends, offset) + 1 for offset in offsets]
 
+    def span_of(self, node: Node) -> tuple[int, int]:
+        """Return where a node begins and ends in the text of the file, in characters; -1: it was not read from one."""
+        if self.document is None or node.source is None:
+            return -1, -1
+        return node.source.offset, self.document.end_of(node.source)
+
 
 def nodes_in(node: Node) -> tuple[Node, ...]:
     """Return the nodes directly in a node, in the order of their rows."""

@@ -46,6 +46,7 @@ class TaskFileError(UsageError):
     def __init__(self, name: str, why: str, line: int = 0, column: int = 0) -> None:
         place = ":".join([name, *(str(number) for number in (line, column) if number)])
         super().__init__(said("{place}: {why}", place=place, why=why))
+        self.name = name
         self.why = why
         self.line = line or 1
         self.column = column or 1
@@ -266,6 +267,21 @@ class Document:
     def line_of(self, element: Element) -> int:
         """Return the line in which an element begins, from 1; 0: it was not read from a file."""
         return self.text.count("\n", 0, element.offset) + 1 if element.offset >= 0 else 0
+
+    def end_of(self, element: Element) -> int:
+        """Return where an element ends in the text that was read, in characters; -1: it was not read from a file."""
+        if element.offset < 0:
+            return -1
+        waiting: list[str | Element] = [element]
+        length = 0
+        while waiting:
+            piece = waiting.pop()
+            if isinstance(piece, str):
+                length += len(piece)
+            else:
+                length += len(piece.head) + len(piece.tail)
+                waiting.extend(piece.content)
+        return element.offset + length
 
 
 def read_document(data: bytes, name: str = "the file") -> Document:

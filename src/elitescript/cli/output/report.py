@@ -196,11 +196,11 @@ class TextRunReport:
         elif isinstance(event, SignalChanged):
             if "signals" in self._logs:
                 name = shown_word(event.name)
-                by = event.by if event.by != "program" or not event.line else f"line {event.line}"
+                by = event.by if event.by != "program" or not event.line else self._source.line_words(event.line)
                 self._line(event.tick, f"[signal] {name} = {shown(str(event.value))} ({shown_word(by)})")
         elif isinstance(event, ChannelActivity) and "channels" in self._logs:
             data = f" {event.data!r}" if event.data else ""
-            where = f" (line {event.line})" if event.line else ""
+            where = f" ({self._source.line_words(event.line)})" if event.line else ""
             self._line(event.tick, shown(f"[{event.kind} {event.channel!r}] {event.what}{data}{where}"))
 
     def _warned(self, event: Warned) -> None:
@@ -263,7 +263,8 @@ class TextRunReport:
         self._out.flush()
         if run.state not in ("finished", "alarm"):
             for thread in run.threads:
-                print(f"{'':14}{shown_word(thread.name)}: line {thread.line}, {shown(thread.doing)}", file=self._err)
+                where = self._source.line_words(thread.line)
+                print(f"{'':14}{shown_word(thread.name)}: {where}, {shown(thread.doing)}", file=self._err)
         late = f"; {overruns} ticks began late" if overruns else ""
         # What has errors or warnings is not green, though it has finished.
         role = "finished" if run.is_clean else "alarm" if run.state == "alarm" else "warning"
