@@ -121,7 +121,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "never_equal": ("=", "<", ">", " is "),
     "not_a_function": ("=", "for ", "as "),
     "time_in_milliseconds": ("time", "t=", "read", "move", "servoj", "speed", "modbus", "watchdog", "watch"),
-    "assigned_in_one_branch": ("if",),
+    "assigned_in_one_branch": ("if", "for", "while", "try", "match"),
     "changed_alias": ("=",),
     "channel_not_open": ("socket_open",),
     "channel_of_another_server": ("socket_open",),
