@@ -89,6 +89,7 @@ _ROWS: Final = (
     Code("W221", "warning", "reading that a secondary program does not wait for", is_tolerated=True),
     Code("W222", "warning", "text in GBK that is UTF-8 by chance"),
     Code("W223", "warning", "variable that nothing reads, beside one of nearly the same name", is_tolerated=True),
+    Code("W224", "warning", "list that stands in several places and is changed", is_tolerated=True),
     # What is legal, but hardly meant: units and targets; see `commands.definition.plausibility`.
     Code("W230", "warning", "angle that looks like degrees", is_tolerated=True),
     Code("W231", "warning", "length that looks like millimetres", is_tolerated=True),

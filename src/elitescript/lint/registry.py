@@ -114,6 +114,9 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
     return f"`{text if len(text) <= _SHOWN else text[: _SHOWN - 3] + '...'}`"
 
 
+_CHANGES: Final = ("] ", "]=", "]+", "]-", "]*", "]/", ".append", ".insert", ".extend", ".sort", ".reverse", ".pop")
+"""Of a text that changes a list."""
+
 _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "always_true": ("if", "while", " or "),
     "joined_lists": ("+", "*"),
@@ -122,7 +125,8 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "not_a_function": ("=", "for ", "as "),
     "time_in_milliseconds": ("time", "t=", "read", "move", "servoj", "speed", "modbus", "watchdog", "watch"),
     "assigned_in_one_branch": ("if", "for", "while", "try", "match"),
-    "changed_alias": ("=",),
+    "changed_alias": _CHANGES,
+    "list_in_several_places": _CHANGES,
     "channel_not_open": ("socket_open",),
     "channel_of_another_server": ("socket_open",),
     "encoder_not_set_up": ("track_conveyor_",),
