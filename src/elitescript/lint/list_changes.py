@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from functools import cached_property
 from typing import Final
 
 from elitescript.language.scopes import Scope
@@ -40,7 +41,7 @@ class ListChanges:
         all: in no particular order.
     """
 
-    __slots__ = ("_by_variable", "_program", "all")
+    __slots__ = ("__dict__", "_by_variable", "_program", "all")
 
     def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
@@ -61,6 +62,16 @@ class ListChanges:
     def of(self, variable: Variable) -> list[Change]:
         """Return the places that change the list of a variable, in the order of the text."""
         return self._by_variable.get(variable, [])
+
+    @cached_property
+    def by_site(self) -> dict[frozenset[int], list[Change]]:
+        """The places that change a list which one place of the text makes, by that, in the order of the text."""
+        found: dict[frozenset[int], list[Change]] = {}
+        for change in sorted(self.all, key=lambda change: change.node.lineno):
+            sites = self._program.values.of(change.list).sites
+            if len(sites) == 1 and -1 not in sites:
+                found.setdefault(sites, []).append(change)
+        return found
 
     def _is_relative(self, node: ast.Subscript) -> bool:
         above = self._program.symbols.parent(node)

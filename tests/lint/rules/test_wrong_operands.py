@@ -24,6 +24,12 @@ from tests.lint.checking import body, only
         ("p = get_target_tcp_pose()", "p[0.5] = 1", "movel(p)"),
         ("p = get_target_tcp_pose()", "d = p - [0, 0, 0.1, 0, 0, 0]", "textmsg(d)"),
         ("p = get_target_tcp_pose()", "movel(p + 0.1)"),
+        ("p = get_target_tcp_pose()", "textmsg(p.x)"),
+        ("s = socket_read_string()", 'if s.contains("go"):', "  sync()", "end"),
+        ("a = [1]", "a.push(2)"),
+        ("a = [1]", "textmsg(a.length)"),
+        ("x = get_standard_analog_in(0)", "if x > 0.5 & get_flag(1):", "  sync()", "end"),
+        ("textmsg(get_standard_analog_in(0) ^ 3)",),
     ],
     ids=str,
 )
@@ -45,6 +51,10 @@ def test_it_is_found(lines):
         ("for c in 'abc':", "  textmsg(c)", "end", "d = {'x': 1}", "textmsg(d['x'])"),
         ("textmsg(-True)", "textmsg(not 'a')"),
         ("textmsg(True + 1)",),
+        ("a = [1]", "a.append(2)", 's = "x"', "textmsg(a.copy(), s.strip().upper(), (1.5).is_integer())"),
+        ('s = "x"', 'if hasattr(s, "decode"):', "  textmsg(s.decode())", "end"),
+        ("n = read_input_integer_register(0)", "textmsg(n & 3, n | 4, n ^ 1, n << 2, get_flag(0) & get_flag(1))"),
+        ("class Box:", "  def push(self, x):", "    textmsg(x)", "b = Box()", "b.push(1)"),
         ("for i in range(len([1, 2])):", "  textmsg(i)", "end"),
     ],
     ids=str,
@@ -56,6 +66,8 @@ def test_what_almost_is_one_is_not_found(lines):
 @pytest.mark.parametrize(
     ("line", "text", "hint"),
     [
+        ("textmsg([1].length)", "`[1]` is", "len([1]) is how many there are"),
+        ("textmsg(0.5 & get_flag(0))", None, "`and` and `or` join conditions"),
         ("textmsg(range(4.0))", "range takes whole numbers, and `4.0` is", "write 4"),
         (
             "textmsg(serial_read(4, False) > 2)",

@@ -316,6 +316,7 @@ def _fraction(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 
 JUDGES: Final[dict[str, Judge]] = {
     "joints": _joints,
+    "roll, pitch, yaw": _joints,
     "pose": _pose,
     "tcp": _tcp,
     "centre of gravity": _centre_of_gravity,

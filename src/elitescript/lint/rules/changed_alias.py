@@ -24,7 +24,7 @@ caller of a function has passed.
 from __future__ import annotations
 
 import ast
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from math import inf
 
@@ -39,6 +39,8 @@ from elitescript.values.description import NUMBER
 from elitescript.values.results import LIST_ROLES
 
 _SIX = 6
+_READS_MAX = 16
+"""Uses of a list that are looked at behind a change."""
 
 
 @rule(code="W263", since="0.3", needs_all_lines=True)
@@ -126,9 +128,11 @@ def _changed(
             until = min(until, bindings[renewed].line)
     if store.node.lineno > until:
         return None
-    reads = [read for read in scope.reads.get(other.id, ()) if store.node.lineno < read.lineno <= until]
-    if reads and not all(_is_gone_through_anew(program, read, alias) for read in reads):
-        return store
+    reads = scope.reads.get(other.id, [])
+    first = bisect_right(reads, store.node.lineno, key=lambda read: read.lineno)
+    for read in reads[first : first + _READS_MAX]:
+        if read.lineno <= until and not _is_gone_through_anew(program, read, alias):
+            return store
     return store if store.is_relative and _is_repeated_alone(program, alias, scope, other.id) else None
 
 
@@ -159,21 +163,20 @@ def _is_kept_outside(program: AnalysedProgram, variable: Variable, alias: ast.As
     bindings = symbols.global_bindings(name) if home is None else home.bindings[name]
     if len(bindings) != 1 or bindings[0].kind != "assign":
         return False
-    reads = [
-        read
-        for read in symbols.reads_of(name, home)
-        if read is not alias.value and symbols.parent(read) is not alias.value
-    ]
-    return any(
-        read.lineno > store.node.lineno or symbols.scope_of(read) is not symbols.scope_of(alias) for read in reads
-    )
+    inside = symbols.scope_of(alias)
+    for read in symbols.reads_of(name, home):
+        if symbols.scope_of(read) is not inside or read.lineno > store.node.lineno:
+            return True
+    return False
 
 
 def _goes_to_a_command(program: AnalysedProgram, target: ast.Name, store: Change) -> bool:
     """Return whether a changed list itself is an argument of a command: it is more than a way into a longer list."""
-    for read in program.symbols.reads_of(*variable_of(program, target)):
+    reads = program.symbols.scope_of(target).reads.get(target.id, [])
+    first = bisect_right(reads, store.node.lineno, key=lambda read: read.lineno)
+    for read in reads[first : first + _READS_MAX]:
         call = program.symbols.parent(read)
-        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and read.lineno > store.node.lineno:
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name):
             command = program.command(call.func.id, program.symbols.scope_of(call))
             if command is not None and command.takes_robot:
                 return True
@@ -239,6 +242,8 @@ def _is_used_again(program: AnalysedProgram, call: ast.Call, given: ast.Name) ->
     above = symbols.parent(call)
     if isinstance(above, ast.Expr):
         return False
-    later = [binding.line for binding in scope.bindings[given.id] if binding.line >= call.lineno]
-    until = min(later, default=inf)
-    return any(call.lineno < read.lineno <= until for read in scope.reads.get(given.id, ()))
+    bindings, reads = scope.bindings[given.id], scope.reads.get(given.id, [])
+    renewed = bisect_left(bindings, call.lineno, key=lambda binding: binding.line)
+    until = bindings[renewed].line if renewed < len(bindings) else inf
+    read = bisect_right(reads, call.lineno, key=lambda read: read.lineno)
+    return read < len(reads) and reads[read].lineno <= until

@@ -18,6 +18,7 @@ default of a parameter is made once for all calls.
 from __future__ import annotations
 
 import ast
+from bisect import bisect_left
 from collections.abc import Iterator
 
 from elitescript.language.diagnostics import Edit, Fix
@@ -58,8 +59,8 @@ def _repeated(program: AnalysedProgram, changes: ListChanges) -> Iterator[Findin
         sites = value.sites
         if not value.is_list or count.kinds != INT or count.high < 2 or len(sites) != 1 or -1 in sites:
             continue
-        for change in sorted(changes.all, key=lambda change: change.node.lineno):
-            if _is_of_a_row(program, change, sites) and change.node.lineno > product.lineno:
+        for change in changes.by_site.get(sites, ()):
+            if _is_of_a_row(program, change) and change.node.lineno > product.lineno:
                 text = said(
                     "{expression} of line {line} has one list several times: this changes each of them",
                     expression=shown_source(program, product),
@@ -75,10 +76,8 @@ def _repeated(program: AnalysedProgram, changes: ListChanges) -> Iterator[Findin
                 break
 
 
-def _is_of_a_row(program: AnalysedProgram, change: Change, sites: frozenset[int]) -> bool:
+def _is_of_a_row(program: AnalysedProgram, change: Change) -> bool:
     """Return whether a change reaches a row through the longer list, or in a loop over it."""
-    if program.values.of(change.list).sites != sites:
-        return False
     if isinstance(change.list, ast.Subscript):
         return True
     if not isinstance(change.list, ast.Name):
@@ -104,11 +103,12 @@ def _added_again(program: AnalysedProgram, change: Change, changes: ListChanges)
     first, last = loop.lineno, loop.end_lineno or loop.lineno
     if any(first <= binding.line <= last for binding in home.bindings[name]):
         return
-    inside = [found for found in changes.of((name, home)) if first <= found.node.lineno <= last]
-    if not inside or _is_left(program, call):
+    stores = changes.of((name, home))
+    at = bisect_left(stores, first, key=lambda found: found.node.lineno)
+    if at == len(stores) or stores[at].node.lineno > last or _is_left(program, call):
         return
     text = said(
-        "each turn adds `{name}` itself, one list, and line {line} changes it", name=name, line=inside[0].node.lineno
+        "each turn adds `{name}` itself, one list, and line {line} changes it", name=name, line=stores[at].node.lineno
     )
     copy = f"{ast.unparse(call.func)}({name}.copy())"
     edit = Edit(*program.span(added), f"{name}.copy()")

@@ -11,6 +11,8 @@ takes whole numbers.
       for x in range(0, 1, 0.1):                  # W264: [n / 10 for n in range(10)]
         textmsg(x)
       end
+      p = get_target_tcp_pose()
+      textmsg(p.x)                                # W264: p[0]
       textmsg("parts: " + str(3))                 # fine
     end
 """
@@ -27,6 +29,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
 from elitescript.said import Said, said
 from elitescript.values.description import (
+    BOOL,
     BYTES,
     DICT,
     FLOAT,
@@ -50,6 +53,7 @@ from elitescript.values.words import words
 
 _SAME: Final = ((NUMBER, NUMBER), (TEXT, TEXT), (BYTES, BYTES), (LIST, LIST), (TUPLE, TUPLE))
 _NUMBERS: Final = ((NUMBER, NUMBER),)
+_WHOLE_NUMBERS: Final = ((WHOLE, WHOLE),)
 _REPEATED: Final = TEXT | BYTES | ROW
 _ANYTHING: Final = 2 * OBJECT - 1
 _ALLOWED: Final[dict[type[ast.AST], tuple[tuple[int, int], ...]]] = {
@@ -60,6 +64,11 @@ _ALLOWED: Final[dict[type[ast.AST], tuple[tuple[int, int], ...]]] = {
     ast.FloorDiv: _NUMBERS,
     ast.Mod: (*_NUMBERS, (TEXT | BYTES, _ANYTHING)),
     ast.Pow: _NUMBERS,
+    ast.BitAnd: _WHOLE_NUMBERS,
+    ast.BitOr: _WHOLE_NUMBERS,
+    ast.BitXor: _WHOLE_NUMBERS,
+    ast.LShift: _WHOLE_NUMBERS,
+    ast.RShift: _WHOLE_NUMBERS,
     ast.Lt: _SAME,
     ast.LtE: _SAME,
     ast.Gt: _SAME,
@@ -101,6 +110,62 @@ def _found(program: AnalysedProgram) -> Iterator[Finding]:
             yield from _operands(program, comparison, comparison.ops[0], comparison.left, comparison.comparators[0])
     for call in program.nodes(ast.Call):
         yield from _steps(program, call)
+    if not any(isinstance(call.func, ast.Name) and call.func.id == "hasattr" for call in program.nodes(ast.Call)):
+        for owned in program.nodes(ast.Attribute):
+            if owned.attr not in _OF_PYTHON2:
+                yield from _missing(program, owned)
+
+
+_TYPES: Final[dict[int, type]] = {
+    BOOL: bool,
+    INT: int,
+    FLOAT: float,
+    TEXT: str,
+    BYTES: bytes,
+    LIST: list,
+    TUPLE: tuple,
+    DICT: dict,
+    NONE: type(None),
+}
+_MEANT: Final = {
+    **dict.fromkeys(("length", "size", "len", "count"), "len({owner}) is how many there are"),
+    **dict.fromkeys(("push", "push_back", "add", "put", "append"), "a list takes one more with {owner}.append(x)"),
+    **dict.fromkeys(("contains", "includes", "has"), "ask `x in {owner}`"),
+    **dict.fromkeys(("substring", "substr", "mid"), "a part of a text is {owner}[first:behind_the_last]"),
+    **dict.fromkeys(("indexOf", "index_of", "indexof"), "{owner}.find(x) is the place of x, or -1"),
+    **dict.fromkeys(("toUpperCase", "to_upper"), "{owner}.upper()"),
+    **dict.fromkeys(("trim", "chomp"), "{owner}.strip()"),
+    **dict.fromkeys(("x", "y", "z", "rx", "ry", "rz", "Rx", "Ry", "Rz"), "the elements are {owner}[0] to {owner}[5]"),
+}
+"""What is meant by names that other languages have for it."""
+
+
+_OF_PYTHON2: Final = frozenset(("has_key", "iteritems", "iterkeys", "itervalues"))
+"""Names that another rule tells."""
+
+
+def _missing(program: AnalysedProgram, node: ast.Attribute) -> Iterator[Finding]:
+    """Yield a method or attribute that no value of these kinds has."""
+    if not isinstance(node.ctx, ast.Load) or node.attr.startswith("__"):
+        return
+    value = program.values.of(node.value)
+    types = [kind for bit, kind in _TYPES.items() if value.kinds & bit]
+    if not types or value.kinds & ~sum(_TYPES) or any(hasattr(kind, node.attr) for kind in types):
+        return
+    if program.is_tried(node) or not _is_built_in(value):
+        return
+    owner = ast.unparse(node.value)
+    meant = _MEANT.get(node.attr)
+    hint = "does a function return nothing?" if value.kinds == NONE else ""
+    if meant is not None and value.kinds != NONE:
+        hint = said(meant, owner=owner)
+    text = said("{what}, which has no `{name}`", what=_said(program, node.value, value), name=node.attr)
+    yield Finding(node, text, hint)
+
+
+def _is_built_in(value: Value) -> bool:
+    """Return whether a value is no object of a class of the program that is like one of Python's types."""
+    return not value.refs
 
 
 def _negated(program: AnalysedProgram, node: ast.UnaryOp) -> Iterator[Finding]:
@@ -190,6 +255,10 @@ def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
 
 def _advice(op: ast.AST, one: Value, other: Value) -> str:
     both = one.kinds | other.kinds
+    if isinstance(op, ast.BitXor) and not both & ~NUMBER:
+        return "`**` is the power"
+    if isinstance(op, (ast.BitAnd, ast.BitOr)) and not both & ~NUMBER:
+        return "`and` and `or` join conditions"
     if both & TEXT and both & NUMBER:
         return "str(x) makes a text of a number" if isinstance(op, ast.Add) else "to_num(x) makes a number of a text"
     if both & BYTES and both & (NUMBER | TEXT):
