@@ -91,10 +91,11 @@ _ROWS: Final = (
     Code("W223", "warning", "variable that nothing reads, beside one of nearly the same name", is_tolerated=True),
     Code("W224", "warning", "list that stands in several places and is changed", is_tolerated=True),
     Code("W225", "warning", "list that is changed in the loop that goes through it", is_tolerated=True),
-    Code("W226", "warning", "text with places that nothing fills", is_tolerated=True),
-    Code("W227", "warning", "result of a call that gives none", is_tolerated=True),
-    Code("W228", "warning", "call that fails with these values", is_tolerated=True),
-    Code("W229", "warning", "`^` where a power is meant", is_tolerated=True),
+    # What is hardly meant in a graphical program; see `program_tree.checking`.
+    Code("W226", "warning", "waypoint whose pose and joint positions disagree", is_tolerated=True),
+    Code("W227", "warning", "variable of the installation without a value", is_tolerated=True),
+    Code("W228", "warning", "script node whose text is not that of its file", is_tolerated=True),
+    Code("W229", "warning", "graphical program that was made for another arm", is_tolerated=True),
     # What is legal, but hardly meant: units and targets; see `commands.definition.plausibility`.
     Code("W230", "warning", "angle that looks like degrees", is_tolerated=True),
     Code("W231", "warning", "length that looks like millimetres", is_tolerated=True),
@@ -143,6 +144,7 @@ _ROWS: Final = (
     Code("N224", "note", "path that stops at each of its points"),
     Code("N225", "note", "what is missing beside a graphical program"),
     Code("N226", "note", "sleep that is very long"),
+    Code("N227", "note", "branch of a graphical program in which nothing stands"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),
@@ -150,6 +152,11 @@ _ROWS: Final = (
     Code("W273", "warning", "arm, tool or payload that touches something"),
     Code("W274", "warning", "connection that the options of the robot do not let through"),
     Code("W275", "warning", "text that a device sends in GBK"),
+    # What the text shows, again.
+    Code("W276", "warning", "text with places that nothing fills", is_tolerated=True),
+    Code("W277", "warning", "result of a call that gives none", is_tolerated=True),
+    Code("W278", "warning", "call that fails with these values", is_tolerated=True),
+    Code("W279", "warning", "`^` where a power is meant", is_tolerated=True),
     # What observers of a run find.
     Code("N280", "note", "data that was left unread"),
     Code("W280", "warning", "end of a program while the arm is under way"),

@@ -143,6 +143,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
         "to_",
         "list_",
     ),
+    "negative_in_register": ("modbus_set_output_register", "write_port_register"),
     "kept_lock": ("acquire",),
     "no_result": ("=",),
     "power_sign": ("^",),

@@ -26,7 +26,7 @@ from tests.lint.checking import body
     ids=str,
 )
 def test_it_is_found(lines):
-    assert [problem.split()[0] for problem in body(*lines)] == ["W228"]
+    assert [problem.split()[0] for problem in body(*lines)] == ["W278"]
 
 
 @pytest.mark.parametrize(
@@ -50,4 +50,4 @@ def test_it_is_found(lines):
     ids=str,
 )
 def test_what_almost_is_one_is_not_found(lines):
-    assert "W228" not in [problem.split()[0] for problem in body(*lines)]
+    assert "W278" not in [problem.split()[0] for problem in body(*lines)]

@@ -35,7 +35,7 @@ from tests.lint.checking import body
     ids=str,
 )
 def test_it_is_found(lines):
-    assert [problem.split()[0] for problem in body(*lines)] == ["W227"]
+    assert [problem.split()[0] for problem in body(*lines)] == ["W277"]
 
 
 @pytest.mark.parametrize(
@@ -64,4 +64,4 @@ def test_it_is_found(lines):
     ids=str,
 )
 def test_what_almost_is_one_is_not_found(lines):
-    assert "W227" not in [problem.split()[0] for problem in body(*lines)]
+    assert "W277" not in [problem.split()[0] for problem in body(*lines)]

@@ -33,7 +33,7 @@ from tests.lint.checking import body
     ids=str,
 )
 def test_it_is_found(lines):
-    assert [problem.split()[0] for problem in body(*lines)] == ["W226"]
+    assert [problem.split()[0] for problem in body(*lines)] == ["W276"]
 
 
 @pytest.mark.parametrize(
@@ -71,4 +71,4 @@ def test_it_is_found(lines):
     ids=str,
 )
 def test_what_almost_is_one_is_not_found(lines):
-    assert "W226" not in [problem.split()[0] for problem in body(*lines)]
+    assert "W276" not in [problem.split()[0] for problem in body(*lines)]

@@ -4,7 +4,7 @@
 
     def job():
       parts = [3, 1, 2]
-      parts = parts.sort()                        # W227: parts.sort() alone on its line
+      parts = parts.sort()                        # W277: parts.sort() alone on its line
       kept = sorted([3, 1, 2])                    # fine: a new list
       textmsg(parts, kept)
     end
@@ -22,7 +22,7 @@ from elitescript.said import said
 from elitescript.values.description import NONE
 
 
-@rule(code="W227", since="0.3")
+@rule(code="W277", since="0.3")
 def no_result(program: AnalysedProgram) -> Iterator[Finding]:
     """Report variables that get the result of such a method or command, and are used."""
     for node in program.nodes(ast.Assign):

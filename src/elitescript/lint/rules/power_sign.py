@@ -3,7 +3,7 @@
 A power is written `**`, or `pow(x, 2)`.
 
     def job():
-      d = sqrt(3 ^ 2 + 4 ^ 2)                     # W229: 3 ** 2 + 4 ** 2
+      d = sqrt(3 ^ 2 + 4 ^ 2)                     # W279: 3 ** 2 + 4 ** 2
       flags = read_input_integer_register(0)
       write_output_integer_register(0, flags ^ 1) # fine: turns one bit over
       textmsg(d)
@@ -23,7 +23,7 @@ from elitescript.said import said
 _SUMS = (ast.Add, ast.Sub)
 
 
-@rule(code="W229", since="0.3", instead_of=("W264",))
+@rule(code="W279", since="0.3", instead_of=("W264",))
 def power_sign(program: AnalysedProgram) -> Iterator[Finding]:
     """Report powers of numbers that are written out, squares in a sum, and squares under a root."""
     for node in program.nodes(ast.BinOp):

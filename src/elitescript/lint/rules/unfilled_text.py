@@ -4,8 +4,8 @@
 
     def job():
       n = 3
-      textmsg("part {n}")                         # W226: f"part {n}"
-      textmsg("part %d of %d", n, 5)              # W226: "part %d of %d" % (n, 5)
+      textmsg("part {n}")                         # W276: f"part {n}"
+      textmsg("part %d of %d", n, 5)              # W276: "part %d of %d" % (n, 5)
       textmsg("part ", n, " of ", 5)              # fine
     end
 """
@@ -30,7 +30,7 @@ _SHOWING: Final = frozenset(("textmsg", "popup", "print"))
 _SENDING: Final = frozenset(("socket_send_line", "socket_send_string", "serial_write"))
 
 
-@rule(code="W226", since="0.3")
+@rule(code="W276", since="0.3")
 def unfilled_text(program: AnalysedProgram) -> Iterator[Finding]:
     """Report texts that are shown or sent like this."""
     for call in program.nodes(ast.Call):
