@@ -20,6 +20,9 @@ KINDS_MAX: Final = 1000
 _NUMBERS: Final = re.compile(r"[-+]?\d[\d.]*(?:e[-+]?\d+)?")
 _ORDER: Final = {severity: number for number, severity in enumerate(SEVERITIES)}
 
+_REFUSED: Final = {"R101": "E304", "R102": "E305", "R103": "E303"}
+"""Codes of `check` by those of the alarms for the same argument, whose value is another text in a run."""
+
 _Key = tuple[object, ...]
 
 
@@ -126,11 +129,16 @@ class Found:
         for problem in of_text:
             in_text.setdefault((problem.code, problem.line), len(rows))
             in_text.setdefault((problem.text, problem.line), len(rows))
+            if problem.code in _REFUSED.values():
+                in_text.setdefault((f"{problem.code} {_argument(problem.text)}", problem.line), len(rows))
             rows.append(finding_of_text(problem))
         for found in self._rows.values():
             at = in_text.get((found.code, found.line)) if found.code else None
             if at is None and found.severity == ERROR:
-                at = in_text.get((found.text.partition(": ")[2], found.line))
+                text = found.text.partition(": ")[2]
+                at = in_text.get((text, found.line))
+                if at is None and found.code in _REFUSED:
+                    at = in_text.get((f"{_REFUSED[found.code]} {_argument(text)}", found.line))
             if at is None:
                 rows.append(found)
             elif rows[at].t is None:
@@ -138,6 +146,11 @@ class Found:
             else:
                 rows[at] = replace(rows[at], count=rows[at].count + found.count)
         return in_order(rows)
+
+
+def _argument(text: str) -> str:
+    """Return command and argument, with which the text of a refusal begins."""
+    return " ".join(text.split(" ", 2)[:2])
 
 
 def in_order(rows: Iterable[Finding]) -> Findings:

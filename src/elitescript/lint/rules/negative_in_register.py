@@ -27,7 +27,7 @@ _REGISTERS: Final = {"modbus_set_output_register": "register_value", "write_port
 def negative_in_register(program: AnalysedProgram) -> Iterator[Finding]:
     """Report numbers below 0 in registers of 16 bits, which hold 0 to 65535."""
     for command, param in _REGISTERS.items():
-        for found in program.derived(CalledCommands).all_of(command):
+        for found in program.derived(CalledCommands).of(command):
             node = found.given.get(param)
             if node is None:
                 continue
