@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from elitescript.language.diagnostics import Diagnostic
-from elitescript.messages.events import SOURCES, Alarm, DeviceNoted, Warned
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import SOURCES, Alarm, DeviceNoted, Event, TaskStateChanged, Warned
 from elitescript.messages.findings import ERROR, NOTE, SEVERITIES, WARNING, Finding
 from elitescript.messages.timing import seconds
 from elitescript.records import replace
@@ -151,6 +152,31 @@ class Found:
 def _argument(text: str) -> str:
     """Return command and argument, with which the text of a refusal begins."""
     return " ".join(text.split(" ", 2)[:2])
+
+
+class Tally:
+    """Counts what a robot has found since its task began, of its events: for what has no `Run`."""
+
+    __slots__ = ("_found", "_runs")
+
+    def __init__(self) -> None:
+        self._found: Found | None = None
+        self._runs = False
+
+    def take(self, event: Event) -> None:
+        """Take an event."""
+        if isinstance(event, TaskStateChanged):
+            if not self._runs:
+                self._found = None
+            self._runs = event.state is not TaskState.STOPPED
+        elif isinstance(event, Warned | DeviceNoted):
+            self._found = self._found or Found()
+            self._found.take(event, 0)
+
+    @property
+    def findings(self) -> Findings:
+        """All of the task that runs, or has ended last; an alarm is no finding beside the end that it is."""
+        return Findings() if self._found is None else self._found.listed()
 
 
 def in_order(rows: Iterable[Finding]) -> Findings:

@@ -9,7 +9,6 @@ from elitescript.language.builtin_names import PURE_BUILTINS
 from elitescript.language.nodes import children
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
-from elitescript.values.description import BYTES, DICT, LIST, TEXT, TUPLE
 
 _PURE_METHODS: Final = frozenset(
     """
@@ -27,6 +26,9 @@ def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
     if isinstance(function, ast.Attribute):
         base = function.value
         if function.attr in _PURE_METHODS:
+            # Imported late: short programs do without values.
+            from elitescript.values.description import BYTES, DICT, LIST, TEXT, TUPLE
+
             kinds = program.values.of(base).kinds
             if kinds and not kinds & ~(TEXT | BYTES | LIST | TUPLE | DICT):
                 return True

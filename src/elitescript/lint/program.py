@@ -10,7 +10,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.definition.plausibility import JUDGES, TAKEN_FOR_EACH_OTHER, ArmFacts, Doubt, mistaken
+from elitescript.commands.definition.plausibility import (
+    JUDGES,
+    OF_ANGLES,
+    TAKEN_FOR_EACH_OTHER,
+    ArmFacts,
+    Doubt,
+    mistaken,
+)
 from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
@@ -38,8 +45,6 @@ _SIX: Final = 6
 _POSE_UNIT: Final = "m, rad"
 SURELY_LARGE: Final = 6.0
 """A number of which neither metres nor radians are meant beside a coordinate or an angle."""
-OF_ANGLES: Final = frozenset(("sin", "cos", "tan"))
-"""Commands whose argument may be any angle in a run, but hardly one that is written in degrees."""
 _MOST_SUGGESTIONS: Final = 20
 """Limit of unknown names of one program for which similar names are searched."""
 
@@ -448,7 +453,7 @@ class AnalysedProgram:
                     # Imported late: short programs do without values.
                     from elitescript.lint.quantity_doubts import quantity_doubts
 
-                    others += quantity_doubts(self, called.command, param, node)
+                    others += quantity_doubts(self.values, called.command, param, node)
                 if not meaning:
                     found += [self._doubted(called, param, node, doubt) for doubt in others]
                     continue

@@ -6,11 +6,12 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.commands.definition.plausibility import SURELY_DEGREES, Doubt
+from elitescript.commands.definition.plausibility import OF_ANGLES, SURELY_DEGREES, Doubt
 from elitescript.commands.definition.quantities import Vector
 from elitescript.commands.definition.registry import Command, Param
-from elitescript.lint.program import OF_ANGLES, AnalysedProgram
 from elitescript.said import Said, said
+from elitescript.values.description import FLOAT, INT
+from elitescript.values.program import Values
 from elitescript.values.results import ELEMENT_ROLES
 
 _LENGTH, _ANGLE, _DEGREES, _COUNT = "m", "rad", "deg", "count"
@@ -18,14 +19,14 @@ _PHYSICAL: Final = frozenset((_LENGTH, _ANGLE, "m/s", "rad/s", "m/s^2", "rad/s^2
 _WORDS: Final = {_LENGTH: Said("a length"), _ANGLE: Said("an angle")}
 
 
-def quantity_doubts(program: AnalysedProgram, command: Command, param: Param, node: ast.expr) -> Iterator[Doubt]:
+def quantity_doubts(values: Values, command: Command, param: Param, node: ast.expr) -> Iterator[Doubt]:
     """Yield the doubts about a number, or about the elements of a list, that are not what a parameter takes."""
     quantity = param.quantity
     if not isinstance(quantity, Vector):
         if isinstance(node, (ast.Constant, ast.UnaryOp)) and command.name in OF_ANGLES:
-            yield from _written(program, node)
+            yield from _written(values, node)
         elif not isinstance(node, ast.Constant):
-            doubt = _doubt(program, node, program.values.of(node).role, quantity.unit, None)
+            doubt = _doubt(node, values.of(node).role, quantity.unit, None)
             if doubt is not None:
                 yield doubt
         return
@@ -34,18 +35,18 @@ def quantity_doubts(program: AnalysedProgram, command: Command, param: Param, no
     units = ELEMENT_ROLES.get(quantity.unit, (quantity.unit,) * (quantity.count or 0))
     if isinstance(node, (ast.List, ast.Tuple)):
         parts: list[ast.expr | None] = list(node.elts)
-        roles = ["" if isinstance(part, ast.Constant) else program.values.of(part).role for part in node.elts]
+        roles = ["" if isinstance(part, ast.Constant) else values.of(part).role for part in node.elts]
     else:
-        items = program.values.of(node).items or ()
+        items = values.of(node).items or ()
         parts, roles = [None] * len(items), [item.role for item in items]
     for index, (part, role, unit) in enumerate(zip(parts, roles, units, strict=False)):
-        doubt = _doubt(program, part, role, unit, index) if role else None
+        doubt = _doubt(part, role, unit, index) if role else None
         if doubt is not None:
             yield doubt
             return
 
 
-def _doubt(program: AnalysedProgram, node: ast.expr | None, role: str, unit: str, index: int | None) -> Doubt | None:
+def _doubt(node: ast.expr | None, role: str, unit: str, index: int | None) -> Doubt | None:
     place = "" if index is None else f"[{index}]"
     if role == _DEGREES and unit == _ANGLE:
         return Doubt("W230", said("{place} is in degrees", place=place), "angles are in radians: d2r(...)", index)
@@ -61,15 +62,13 @@ def _doubt(program: AnalysedProgram, node: ast.expr | None, role: str, unit: str
     return None
 
 
-def _written(program: AnalysedProgram, node: ast.expr) -> Iterator[Doubt]:
+def _written(values: Values, node: ast.expr) -> Iterator[Doubt]:
     """Yield the doubt about an angle that is written as degrees: `sin(90)`."""
-    number = program.constants.value(node, program.symbols.scope_of(node))
-    if (
-        isinstance(number, (int, float))
-        and not isinstance(number, bool)
-        and abs(number) > SURELY_DEGREES
-        and number == int(number)
-    ):
+    value = values.of(node)
+    if not value.has_constant or value.kinds & ~(INT | FLOAT):
+        return
+    number = value.constant
+    if abs(number) > SURELY_DEGREES and number == int(number):
         yield Doubt(
             "W230",
             said(" is {number:g} rad, more than a full turn", number=number),

@@ -117,6 +117,17 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
 _CHANGES: Final = ("] ", "]=", "]+", "]-", "]*", "]/", ".append", ".insert", ".extend", ".sort", ".reverse", ".pop")
 """Of a text that changes a list."""
 
+_FAILING: Final = (
+    *("float(", "int(", "chr(", "ord(", "min(", "max(", "sqrt(", "log", "acos(", "asin(", "pow(", "norm", "list"),
+    *("to_num", "str_", "bin", "pose_", "interpolate", "rpy", "rotvec"),
+)
+"""Functions and commands that depend on their arguments alone, and refuse some."""
+_NOTHING: Final = (
+    *(".append(", ".clear(", ".extend(", ".insert(", ".remove(", ".reverse(", ".sort("),
+    *("= set_", "= move", "= servo", "= speed", "= stop", "= sleep", "= sync", "= write_", "= textmsg", "= popup"),
+)
+"""Of a text with the result of a call that gives none."""
+
 _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "always_true": ("if", "while", " or "),
     "joined_lists": ("+", "*"),
@@ -125,27 +136,11 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "not_a_function": ("=", "for ", "as "),
     "time_in_milliseconds": ("time", "t=", "read", "move", "servoj", "speed", "modbus", "watchdog", "watch"),
     "changed_while_gone_through": (".append", ".clear", ".extend", ".insert", ".pop", ".remove"),
-    "failing_call": (
-        "float(",
-        "int(",
-        '("',
-        "('",
-        "sqrt",
-        "log",
-        "acos",
-        "asin",
-        "pow",
-        "chr",
-        "min",
-        "max",
-        "norm",
-        "str_",
-        "to_",
-        "list_",
-    ),
+    "failing_call": _FAILING,
     "negative_in_register": ("modbus_set_output_register", "write_port_register"),
     "kept_lock": ("acquire",),
-    "no_result": ("=",),
+    "no_result": _NOTHING,
+    "other_quantity": ("socket_read_", "tcp_pose", "joint_positions", "_kin("),
     "power_sign": ("^",),
     "unfilled_text": ("%", "{"),
     "assigned_in_one_branch": ("if", "for", "while", "try", "match"),

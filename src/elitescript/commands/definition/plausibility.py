@@ -335,6 +335,9 @@ JUDGES: Final[dict[str, Judge]] = {
 }
 """Functions that judge values, by meaning of the quantity."""
 
+OF_ANGLES: Final = frozenset(("sin", "cos", "tan"))
+"""Commands whose argument may be any angle in a run, but hardly one that is written in degrees."""
+
 KINDS: Final = ("joints", "pose")
 """Meanings that are lists of six numbers, and taken for each other."""
 

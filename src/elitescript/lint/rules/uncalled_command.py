@@ -23,7 +23,6 @@ from elitescript.language.symbols import Scope
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import Said, said
-from elitescript.values.references import Method
 
 _OPERATIONS = (ast.BoolOp, ast.BinOp, ast.Compare, ast.UnaryOp, ast.If, ast.While, ast.IfExp, ast.Assert)
 
@@ -45,6 +44,9 @@ def _methods(program: AnalysedProgram) -> Iterator[Finding]:
         is_asked = _is_condition(node, parent)
         if not is_asked and not (isinstance(parent, (*_OPERATIONS, ast.Assign)) and _wants_the_result(program, node)):
             continue
+        # Imported late: short programs do without values.
+        from elitescript.values.references import Method
+
         refs = program.values.of(node).refs
         if refs is not None and len(refs) == 1 and isinstance(refs[0], Method):
             yield _finding(program, node, "method", needs_arguments=node.attr not in _PLAIN_METHODS)

@@ -22,7 +22,6 @@ from elitescript.lint.effects import has_effect
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
-from elitescript.values.description import TEXT
 
 
 @rule(code="W219", since="0.2")
@@ -39,7 +38,7 @@ def unused_result(program: AnalysedProgram) -> Iterator[Finding]:
             name = ast.unparse(value.func)
             text = said("`{name}` only gives a value, and this line does not use it", name=name)
             hint = said("write x = {name}(...), or remove the line", name=name)
-            if isinstance(value.func, ast.Attribute) and program.values.of(value.func.value).kinds == TEXT:
+            if isinstance(value.func, ast.Attribute) and _is_of_text(program, value.func):
                 owner = ast.unparse(value.func.value)
                 hint = said("a text never changes: write {owner} = {call}", owner=owner, call=ast.unparse(value))
             yield Finding(value.func, text, hint)
@@ -48,3 +47,9 @@ def unused_result(program: AnalysedProgram) -> Iterator[Finding]:
             text = "the result of this calculation is not used"
             hint = "give it to a variable; a line that goes on with the one above needs brackets around both"
             yield Finding(value, text, hint)
+
+
+def _is_of_text(program: AnalysedProgram, method: ast.Attribute) -> bool:
+    from elitescript.values.description import TEXT
+
+    return program.values.of(method.value).kinds == TEXT
