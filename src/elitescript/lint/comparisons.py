@@ -32,7 +32,7 @@ from elitescript.values.description import (
 )
 from elitescript.values.operators import are_of_other_kinds, compare, is_equal, truth
 from elitescript.values.results import POSITION
-from elitescript.values.words import words
+from elitescript.values.words import phrase
 
 
 def never_equal(program: AnalysedProgram) -> Iterator[Finding]:
@@ -194,7 +194,7 @@ def _analog(program: AnalysedProgram, node: ast.Compare) -> Finding | None:
 
 
 def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
-    return said("{expression} is {words}", expression=shown_source(program, node), words=words(value))
+    return said("{expression} is {words}", expression=shown_source(program, node), words=phrase(value))
 
 
 def _told(program: AnalysedProgram, node: ast.Compare, left: Value, right: Value) -> str:
@@ -206,7 +206,7 @@ def _told(program: AnalysedProgram, node: ast.Compare, left: Value, right: Value
     is_equality = isinstance(node.ops[0], (ast.Eq, ast.Is))
     what = shown_source(program, other)
     if not isinstance(other, ast.Constant):
-        what = said("{what}, which is {words}", what=what, words=words(compared))
+        what = said("{what}, which is {words}", what=what, words=phrase(compared))
     return said(
         "{operand}: never equal to {what}" if is_equality else "{operand}: always different from {what}",
         operand=_said(program, one, value),

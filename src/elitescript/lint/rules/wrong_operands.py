@@ -49,7 +49,7 @@ from elitescript.values.description import (
     Value,
 )
 from elitescript.values.plain import SIGNS
-from elitescript.values.words import words
+from elitescript.values.words import phrase
 
 _SAME: Final = ((NUMBER, NUMBER), (TEXT, TEXT), (BYTES, BYTES), (LIST, LIST), (TUPLE, TUPLE))
 _NUMBERS: Final = ((NUMBER, NUMBER),)
@@ -250,7 +250,7 @@ def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
             expression=shown_source(program, node),
             kind=Said("text" if value.kinds & (TEXT | BYTES) else "number"),
         )
-    return said("{expression} is {words}", expression=shown_source(program, node), words=words(value))
+    return said("{expression} is {words}", expression=shown_source(program, node), words=phrase(value))
 
 
 def _advice(op: ast.AST, one: Value, other: Value) -> str:
@@ -284,7 +284,7 @@ def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
                 said(
                     "{expression} is {words}, and has no length",
                     expression=shown_source(program, call.args[0]),
-                    words=words(value),
+                    words=phrase(value),
                 ),
                 "",
             )
