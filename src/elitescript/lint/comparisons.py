@@ -229,6 +229,8 @@ def always_true(program: AnalysedProgram) -> Iterator[Finding]:
     """Report conditions that are no question."""
     for choice in program.nodes(ast.BoolOp):
         yield from _alternatives(program, choice)
+    for chain in program.nodes(ast.Compare):
+        yield from _bits_between(program, chain)
     conditions: list[ast.expr] = [statement.test for statement in program.nodes(ast.If)]
     conditions += [statement.test for statement in program.nodes(ast.While)]
     conditions += [expression.test for expression in program.nodes(ast.IfExp)]
@@ -242,6 +244,20 @@ def always_true(program: AnalysedProgram) -> Iterator[Finding]:
             yield from _position_as_truth(program, node)
         else:
             yield from _truth(program, node)
+
+
+def _bits_between(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding]:
+    """Yield `1 < x & x < 10`, where `&` binds closer than the comparisons beside it."""
+    for part in node.comparators[:-1]:
+        if isinstance(part, ast.BinOp) and isinstance(part.op, (ast.BitAnd, ast.BitOr)):
+            sign, word = ("&", "and") if isinstance(part.op, ast.BitAnd) else ("|", "or")
+            text = said(
+                "`{sign}` binds closer than the comparisons: {expression} is one number between them",
+                sign=sign,
+                expression=shown_source(program, part),
+            )
+            yield Finding(node, text, said("write `{word}` between conditions", word=word))
+            return
 
 
 def _alternatives(program: AnalysedProgram, node: ast.BoolOp) -> Iterator[Finding]:

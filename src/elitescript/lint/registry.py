@@ -129,7 +129,7 @@ _NOTHING: Final = (
 """Of a text with the result of a call that gives none."""
 
 _WORDS: Final[dict[str, tuple[str, ...]]] = {
-    "always_true": ("if", "while", " or "),
+    "always_true": ("if", "while", " or ", "&", "|"),
     "joined_lists": ("+", "*"),
     "measured_exactly": ("==", "!=", " in "),
     "never_equal": ("=", "<", ">", " is "),
@@ -170,7 +170,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "tool_pin_input": ("set_tool_digital_io_config",),
     "unasked_reading": ("socket_read_",),
     "unfit_address": ("socket_open", "modbus_"),
-    "wrong_operands": (*"+-*/%<>[^&|.", "len", "range", "for "),
+    "wrong_operands": (*"+-*/%<>[^&|.", "int(", "float(", "sum(", "len", "range", "for "),
 }
 """Words of which a text has at least one where a rule can find anything, by file: other texts do not load it."""
 

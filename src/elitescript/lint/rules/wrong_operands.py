@@ -25,6 +25,7 @@ from math import inf
 from typing import Final
 
 from elitescript.language.symbols import Resolution
+from elitescript.lint.placing import conditions
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
 from elitescript.said import Said, said
@@ -89,7 +90,7 @@ def wrong_operands(program: AnalysedProgram) -> Iterator[Finding]:
 
 def _found(program: AnalysedProgram) -> Iterator[Finding]:
     for node in program.nodes(ast.BinOp):
-        if _is_zero(node) and not program.is_tried(node):
+        if _is_zero(program, node) and not program.is_tried(node):
             yield Finding(node, said("{expression} divides by 0", expression=shown_source(program, node)), "")
             continue
         yield from _operands(program, node, node.op, node.left, node.right)
@@ -191,6 +192,11 @@ def _indexed(program: AnalysedProgram, node: ast.Subscript) -> Iterator[Finding]
     value = program.values.of(node.value)
     if not value.kinds or program.is_tried(node):
         return
+    if isinstance(node.ctx, ast.Store) and not value.kinds & ~(TEXT | BYTES | TUPLE):
+        text = said("{what}, whose elements stay as they are", what=_said(program, node.value, value))
+        hint = "make a list of it: list(x)" if value.kinds == TUPLE else "make a new text: s[:i] + c + s[i + 1:]"
+        yield Finding(node, text, hint)
+        return
     if not value.kinds & ~NUMBER:
         text = said("{what}, and has no elements", what=_said(program, node.value, value))
         yield Finding(node, text, "")
@@ -203,15 +209,24 @@ def _indexed(program: AnalysedProgram, node: ast.Subscript) -> Iterator[Finding]
             yield Finding(node, text, "the first is 0")
 
 
-def _is_zero(node: ast.BinOp) -> bool:
+def _is_zero(program: AnalysedProgram, node: ast.BinOp) -> bool:
     right = node.right
-    is_zero = isinstance(right, ast.Constant) and type(right.value) in (int, float) and right.value == 0
-    return (
-        is_zero
-        and isinstance(node.op, _DIVIDING)
-        and not isinstance(node.left, (ast.JoinedStr, ast.List))
-        and not (isinstance(node.left, ast.Constant) and isinstance(node.left.value, (str, bytes)))
-    )
+    is_written = isinstance(right, ast.Constant) and type(right.value) in (int, float) and right.value == 0
+    if not isinstance(node.op, _DIVIDING) or not (is_written or isinstance(right, ast.Name)):
+        return False
+    if isinstance(node.left, (ast.JoinedStr, ast.List)) or program.values.of(node.left).kinds & (TEXT | BYTES):
+        return False
+    if is_written:
+        return not (isinstance(node.left, ast.Constant) and isinstance(node.left.value, (str, bytes)))
+    # A variable that is never anything else; where a condition stands around it, it may be a switch.
+    if conditions(program.symbols, node):
+        return False
+    scope = program.symbols.scope_of(node)
+    home = scope.home(right.id) if isinstance(right, ast.Name) else None
+    value = program.values.of(right)
+    if home is None or not value.has_constant or value.kinds & ~(INT | FLOAT) or value.constant != 0:
+        return False
+    return isinstance(right, ast.Name) and program.values.variable(right.id, scope).has_constant
 
 
 def _operands(
@@ -271,10 +286,15 @@ def _advice(op: ast.AST, one: Value, other: Value) -> str:
 
 
 def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
-    """Yield arguments of `range` that are no whole numbers, and numbers that have no length."""
-    if not isinstance(call.func, ast.Name) or call.func.id not in ("range", "len"):
+    """Yield arguments of `range`, `len`, `float`, `int`, `sum` and `join` that these do not take."""
+    if isinstance(call.func, ast.Attribute) and call.func.attr == "join":
+        yield from _joined(program, call, call.func)
+    if not isinstance(call.func, ast.Name) or call.func.id not in ("range", "len", "float", "int", "sum"):
         return
     if program.symbols.scope_of(call).resolve(call.func.id) is not Resolution.BUILTIN:
+        return
+    if call.func.id in ("float", "int", "sum"):
+        yield from _converted(program, call, call.func.id)
         return
     if call.func.id == "len":
         value = program.values.of(call.args[0]) if len(call.args) == 1 else None
@@ -303,3 +323,33 @@ def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
             what = _said(program, node, value)
             yield Finding(node, said("range takes whole numbers, and {what}", what=what), hint)
             return
+
+
+def _joined(program: AnalysedProgram, call: ast.Call, method: ast.Attribute) -> Iterator[Finding]:
+    """Yield numbers that are joined as if they were texts."""
+    if len(call.args) != 1 or program.values.of(method.value).kinds != TEXT or program.is_tried(call):
+        return
+    shape = program.values.of(call.args[0]).shape
+    element = None if shape is None or shape.least < 1 else shape.any
+    if element is not None and element.is_number:
+        node = call.args[0]
+        text = said("{expression} has numbers, and join takes texts", expression=shown_source(program, node))
+        yield Finding(node, text, said("write map(str, {expression})", expression=ast.unparse(node)))
+
+
+def _converted(program: AnalysedProgram, call: ast.Call, name: str) -> Iterator[Finding]:
+    """Yield what no number can be made of: lists for `float` and `int`, texts in a list for `sum`."""
+    if len(call.args) != 1 or program.is_tried(call):
+        return
+    node = call.args[0]
+    value = program.values.of(node)
+    if name == "sum":
+        shape = value.shape
+        element = None if shape is None or shape.least < 1 else shape.any
+        if element is not None and element.kinds == TEXT:
+            text = said("{expression} has texts, and sum takes numbers", expression=shown_source(program, node))
+            yield Finding(node, text, said("write sum(map(float, {expression}))", expression=ast.unparse(node)))
+    elif value.kinds and not value.kinds & ~(ROW | DICT | SET | RANGE | NONE | FUNCTION):
+        text = said("{what}, and {name} makes no number of it", what=_said(program, node, value), name=name)
+        hint = "take an element, x[0], or go through the list: [float(a) for a in x]" if value.kinds & ROW else ""
+        yield Finding(node, text, hint)
