@@ -28,6 +28,7 @@ from elitescript.lsp.positions import Positions
 from elitescript.lsp.session import LastFindings, Session
 from elitescript.lsp.texts import is_tree
 from elitescript.records import NamedTuple
+from elitescript.said import parts_of
 
 SOURCE: Final = "elitescript"
 """Name of the tool beside each finding."""
@@ -76,6 +77,7 @@ def shown(problem: Problem, positions: Positions, uri: str, *, has_related: bool
         source=SOURCE,
         tags=[TAGS[tag] for tag in problem.tags] or None,
         related_information=related if has_related and related else None,
+        data={**parts_of(found.text), **parts_of(found.hint, "hint_")},
     )
 
 
@@ -98,6 +100,7 @@ def of_last_run(last: LastRun, positions: Positions) -> Iterator[types.Diagnosti
             positions.range(Span(line, begin, line, max(begin, len(text.rstrip())) + 1)),
             f"{when}: {found}{hint}",
             severity=_SEVERITIES[Severity(found.severity)] if is_same else types.DiagnosticSeverity.Information,
+            data={**parts_of(found.text), **parts_of(found.hint, "hint_")},
             code=found.code or None,
             source=RUN_SOURCE,
         )

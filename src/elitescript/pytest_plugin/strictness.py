@@ -36,6 +36,18 @@ def findings_in_words(watched: Iterable[WatchedRun]) -> str:
     return Findings(finding for finding in _found(watched).values() if finding.severity != NOTE).words
 
 
+def findings_as_json(watched: Iterable[WatchedRun]) -> str:
+    """Return errors and warnings of text and runs as JSON has them, with their templates and values."""
+    from json import dumps
+
+    found = Findings(finding for finding in _found(watched).values() if finding.severity != NOTE)
+    return dumps(found.records()[:FINDINGS_MAX])
+
+
+FINDINGS_MAX: Final = 100
+"""Findings of one test that its report carries."""
+
+
 def _found(watched: Iterable[WatchedRun]) -> dict[str, Finding]:
     """Return the findings of text and run by what is said of them, each once."""
     found: dict[str, Finding] = {}

@@ -248,7 +248,7 @@ class Run:
     @property
     def is_spoilt(self) -> bool:
         """Whether it finished with warnings of its own, which a strict robot does not allow."""
-        return self.state == "finished" and self.has_findings and not self.findings.of_run.is_clean
+        return self.state == "finished" and self._found is not None and not self._found.listed().is_clean
 
     def exit_code(self, *, is_strict: bool = False) -> int:
         """Return the exit code of a process that runs this program alone.

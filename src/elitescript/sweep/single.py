@@ -295,7 +295,8 @@ class Runner:
         if failed is not None:
             failure = self.chaos.failure(self._checks.properties[failed].text, results.verdicts[failed], run)
         margins = tuple(verdict.margin for verdict in results.verdicts)
-        return Row(choices, run.state, run.time_s, results.measures, digest_of(run), failure, margins), run
+        digest = digest_of(run)
+        return Row(choices, run.state, run.time_s, results.measures, digest, failure, margins, run.is_spoilt), run
 
     def ends_s(self, row: Row) -> float | None:
         """Return when a run ends that was taken to be stuck, if it has `LONGER` times as long, s; None if it does not.

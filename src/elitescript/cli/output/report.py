@@ -271,7 +271,9 @@ class TextRunReport:
         verdict = run.verdict.replace("stopped", "interrupted", 1) if is_interrupted else run.verdict
         state = palette_of(self._out).paint(role, verdict)
         spoilt = ", which --strict does not allow" if is_strict and run.is_spoilt else ""
-        print(f"{run.time_s:10.3f} s  {state}{spoilt} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+        print(
+            f"{run.time_s:10.3f} s  {state}{spoilt} (robot time; {wall_s:.2f} s on this computer{late})", file=self._out
+        )
 
     def finish(self) -> None:
         """Complete the report, also of a program that was refused."""
@@ -291,4 +293,4 @@ def _where(robot: VirtualRobot, wall_s: float) -> str:
         for thread in robot.explained_threads()
     )
     hint = "(Ctrl-C ends it, --until limits it)"
-    return f"{robot.time_s:10.3f} s  still running after {wall_s:.0f} s of yours: {threads} {hint}"
+    return f"{robot.time_s:10.3f} s  still running after {wall_s:.0f} s on this computer: {threads} {hint}"

@@ -167,6 +167,7 @@ class Row:
         digest: of positions, times, signals and texts at the end, rounded so that other processors give the same.
         failure: None if every property held.
         margins: of the properties in their order; None where one has none.
+        is_warned: the run has found warnings of its own.
     """
 
     choices: Choices
@@ -176,6 +177,7 @@ class Row:
     digest: str = ""
     failure: Failure | None = None
     margins: tuple[float | None, ...] = ()
+    is_warned: bool = False
 
     @property
     def failed(self) -> str:

@@ -84,6 +84,7 @@ def row_data(row: Row) -> list[Any]:
         row.digest,
         None if failure is None else {name: getattr(failure, name) for name in _FAILURE},
         list(row.margins),
+        row.is_warned,
     ]
 
 
@@ -93,9 +94,10 @@ def row_of(data: Any) -> Row:
     Raises:
         UsageError: not a row; the text names the field.
     """
-    if not isinstance(data, list) or len(data) != len(_ROW):
+    # Journals that were begun by an earlier version do not say whether a run has warnings.
+    if not isinstance(data, list) or not len(_ROW) - 1 <= len(data) <= len(_ROW):
         raise UsageError(f"row: a list of {len(_ROW)} is expected")
-    values = zip(data, _ROW.items(), strict=True)
+    values = zip(data, _ROW.items(), strict=False)
     return Row(**{name: check(value, f"row.{name}") for value, (name, check) in values})
 
 
@@ -241,4 +243,5 @@ _ROW: Final[Mapping[str, Check]] = {
     "digest": _text,
     "failure": _or_none(_failure),
     "margins": _list(_or_none(_number)),
+    "is_warned": _flag,
 }

@@ -67,6 +67,7 @@ class Summary:
     Attributes:
         runs: number of rows.
         failed: how many failed.
+        warned: how many have found warnings of their own, whether they hold or not.
         interval: 95 % interval of the probability to fail; None where nothing is drawn at random.
         states: number of runs by their state.
         times: virtual times by state, s.
@@ -84,6 +85,7 @@ class Summary:
 
     runs: int
     failed: int
+    warned: int
     interval: tuple[float, float] | None
     states: Mapping[str, int]
     times: Mapping[str, Distribution | None]
@@ -108,6 +110,7 @@ class Summary:
             "runs": self.runs,
             "hold": self.runs - self.failed,
             "failed": self.failed,
+            "warned": self.warned,
             "failing_interval": None if self.interval is None else list(self.interval),
             "states": dict(self.states),
             "time_s": {state: _json_of(found) for state, found in self.times.items()},
@@ -137,6 +140,8 @@ class Summary:
         else:
             share = _percent(self.failed / self.runs)
             first = f"{holding:,} of {_count(self.runs, 'run')} hold, {self.failed:,} fail ({share})"
+        if self.warned:
+            first += f"; {_count(self.warned, 'run')} found warnings" if self.runs > 1 else ", but has warnings"
         if self.interval is not None and self.runs:
             low, high = self.interval
             bound = f"below {_percent(high)}" if self.failed == 0 else f"{_percent(low)} to {_percent(high)}"
@@ -208,6 +213,7 @@ def summary_of(totals: Totals, is_random: bool = True, line_words: Callable[[int
     return Summary(
         runs=totals.runs,
         failed=totals.failed,
+        warned=totals.warned,
         interval=share_interval(totals.failed, totals.runs) if is_random else None,
         states=dict(sorted(totals.states.items(), key=lambda item: (-item[1], item[0]))),
         times={state: sketch.distribution() for state, sketch in sorted(totals.times.items())},
