@@ -89,6 +89,11 @@ _ROWS: Final = (
     Code("W221", "warning", "reading that a secondary program does not wait for", is_tolerated=True),
     Code("W222", "warning", "text in GBK that is UTF-8 by chance"),
     Code("W223", "warning", "variable that nothing reads, beside one of nearly the same name", is_tolerated=True),
+    # What is hardly meant in a graphical program; see `program_tree.checking`.
+    Code("W226", "warning", "waypoint whose pose and joint positions disagree", is_tolerated=True),
+    Code("W227", "warning", "variable of the installation without a value", is_tolerated=True),
+    Code("W228", "warning", "script node whose text is not that of its file", is_tolerated=True),
+    Code("W229", "warning", "graphical program that was made for another arm", is_tolerated=True),
     # What is legal, but hardly meant: units and targets; see `commands.definition.plausibility`.
     Code("W230", "warning", "angle that looks like degrees", is_tolerated=True),
     Code("W231", "warning", "length that looks like millimetres", is_tolerated=True),
@@ -135,6 +140,7 @@ _ROWS: Final = (
     Code("N224", "note", "path that stops at each of its points"),
     Code("N225", "note", "what is missing beside a graphical program"),
     Code("N226", "note", "sleep that is very long"),
+    Code("N227", "note", "branch of a graphical program in which nothing stands"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),

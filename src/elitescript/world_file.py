@@ -18,6 +18,7 @@ from elitescript.devices.surroundings import REAL, VIRTUAL, RobotSettings
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.options import ROBOT_SECTION, SECTIONS, options_of_table
 from elitescript.messages.signals import Value
+from elitescript.paths import is_task_name
 from elitescript.untrusted.files import WORLD, read_text
 from elitescript.untrusted.toml_lines import Path as TomlPath
 from elitescript.untrusted.toml_lines import lines_of, nearest
@@ -93,6 +94,28 @@ def tables_of(file: Path, text: str) -> dict[str, Any]:
         UsageError: no TOML, or beyond the bounds; the text names file and line.
     """
     return toml_tables(text, str(file), WORLD.noun)
+
+
+def arm_of_program(program: str | Path, world: str | Path | None) -> str:
+    """Return the arm of a graphical program, which a robot has that is told no other; empty: it is told one, or none.
+
+    Args:
+        program: path of the program.
+        world: path of the world file, which may name an arm; None: there is none.
+
+    Raises:
+        UsageError: the world file cannot be read.
+    """
+    if not is_task_name(Path(program).name):
+        return ""
+    if world is not None:
+        robot = tables_of(Path(world), world_text(Path(world))).get(ROBOT_SECTION)
+        if isinstance(robot, dict) and "model" in robot:
+            return ""
+    # Imported late: few programs are graphical.
+    from elitescript.environment.task_files import arm_of_file
+
+    return arm_of_file(program)
 
 
 def read_tables(

@@ -67,9 +67,9 @@ def whole(monkeypatch):
             if item.t >= LAST_S:
                 is_over[0].set()
 
-    async def ended(_session, _for_s):
+    def ended(_session, _for_s):
         is_over.append(asyncio.Event())
-        await is_over[0].wait()
+        return asyncio.create_task(is_over[0].wait())
 
     monkeypatch.setattr(module, "Shadow", Followed)
     monkeypatch.setattr(module, "ended", ended)

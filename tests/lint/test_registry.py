@@ -6,7 +6,7 @@ from elitescript.errors import CODES, InternalError
 from elitescript.lint import rules
 from elitescript.lint.registry import all_rules, rule, rules_for
 
-REPORTED_ELSEWHERE = {"W210", "W222", "N225"}
+REPORTED_ELSEWHERE = {"W210", "W222", "N225", "W226", "W227", "W228", "W229", "N227"}
 """What the language package reports while it reads the text, and the environment while it reads a task."""
 
 OF_RUNS = ("W27", "W28", "W29", "N28", "N29")

@@ -19,6 +19,7 @@ from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.profile import profile
 from elitescript.paths import is_task_name, real_path
+from elitescript.records import replace
 from elitescript.shown import shown, shown_word
 
 TYPE_CHECKING = False
@@ -176,5 +177,11 @@ def _check_task(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None) ->
         source = source_of_task(text.path)
     except ProgramError as error:
         return CheckedFile(text.name, refused_task(text.path), error.problems)
+    if arm is None and source.arm:
+        # What depends on the arm is looked at for the one that the task was made for.
+        from elitescript.kernel.arm_facts import arm_facts
+        from elitescript.models.model import model_names
+
+        arm = arm_facts(replace(robot, model=source.arm)) if source.arm in model_names() else None
     found = check_source(source, profile(robot.firmware), strict=robot.strict, arm=arm, ignored=robot.ignored)
     return CheckedFile(text.name, source, found)

@@ -61,9 +61,15 @@ def fetched(options: argparse.Namespace, ports: dict[str, int]) -> tuple[str, by
     return PurePosixPath(path).name, data
 
 
-async def ended(session: Session, for_s: float | None) -> None:
-    """Wait for a signal that ends the process, or until a time is over, which counts from the first connection."""
-    stop = stop_by_signals()
+def ended(session: Session, for_s: float | None) -> asyncio.Task[None]:
+    """Return a task that waits for a signal to stop, or until a time is over, which counts from the first connection.
+
+    Signals are handled from this call on, not from the first step of the wait: a connection may be there before that.
+    """
+    return asyncio.create_task(_wait_for_end(session, stop_by_signals(), for_s))
+
+
+async def _wait_for_end(session: Session, stop: asyncio.Event, for_s: float | None) -> None:
     if for_s is None:
         await stop.wait()
         return

@@ -8,7 +8,7 @@ from typing import Any, Final
 from elitescript.cli.plain_call import OMITTED, PlainCall
 from elitescript.cli.settings import parse_epoch, parse_joints
 from elitescript.kernel.options import DEFAULTS, OPTIONS, Joints, Number, Option, Switch, Text, Time, Whole, accept
-from elitescript.paths import file_above
+from elitescript.paths import file_above, is_task_name
 
 PROJECT: Final = "pyproject.toml"
 
@@ -77,7 +77,18 @@ def options_from(arguments: argparse.Namespace) -> dict[str, Any]:
         project = file_above(_folder_of(arguments), PROJECT)
         if project is not None and (codes := _ignored_in(project)):
             given["ignore"] = accept("ignore", codes, "pyproject.toml: [tool.elitescript] ignore")
+    is_run = "model" not in given and getattr(arguments, "command", "") in _ARM_OF_TASK
+    if is_run and is_task_name(arguments.file or ""):
+        # Imported late: few programs are graphical.
+        from elitescript.world_file import arm_of_program
+
+        if arm := arm_of_program(arguments.file, arguments.world):
+            given["model"] = arm
     return given
+
+
+_ARM_OF_TASK: Final = ("run", "plot")
+"""Commands that run a graphical program on the arm for which it was made, if no other is named."""
 
 
 def _ignored_in(project: str) -> str:

@@ -102,8 +102,10 @@ async def _follow(session: Session, sink: LiveSink, follower: Shadow, for_s: flo
                 follower.take(item)
             await asyncio.sleep(_BATCH_S)
 
+    end = ended(session, for_s)
+
     async def until() -> None:
-        tasks = [asyncio.create_task(follow()), asyncio.create_task(ended(session, for_s))]
+        tasks = [asyncio.create_task(follow()), end]
         try:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
             for task in done:

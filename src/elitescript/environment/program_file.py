@@ -16,11 +16,15 @@ _MOST_NEIGHBOURS: Final = 1000
 """Files of a folder that are looked at to find the one that was meant."""
 
 
-def source_of(program: str | Path) -> SourceFile:
+def source_of(program: str | Path, task_dir: str | Path | None = None) -> SourceFile:
     """Return the source of a program: a path, or a text.
 
     A str is a path if it is a single line that ends in `.script` or otherwise looks like a path: a word with a suffix,
     with slashes, or alone. Everything else is program text.
+
+    Args:
+        program: the path or the text.
+        task_dir: the task folder, where a graphical program finds its configuration; None: the folder of its file.
 
     Raises:
         UsageError: the file cannot be read.
@@ -33,7 +37,7 @@ def source_of(program: str | Path) -> SourceFile:
         # Imported late: few programs are graphical.
         from elitescript.environment.task_files import source_of_task
 
-        return source_of_task(path)
+        return source_of_task(path, task_dir)
     try:
         data = read_bytes(path, PROGRAM, is_stream_allowed=True)
     except UnreadableError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
@@ -12,6 +13,7 @@ from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
+from elitescript.models.model import RobotModel, load_model
 from elitescript.program_tree import (
     Configuration,
     Generated,
@@ -24,11 +26,16 @@ from elitescript.program_tree import (
     read_task,
     read_variables,
 )
+from elitescript.program_tree.checking import tree_doubts
+from elitescript.program_tree.script.writing import Problem
 from elitescript.records import record, replace
 from elitescript.said import said
-from elitescript.untrusted.files import Kind, read_bytes
+from elitescript.untrusted.files import Kind, opened, read_bytes
 
 _TASK: Final = Kind("task", 64 << 20)
+_HEAD_BYTES: Final = 1 << 16
+_ARM: Final = re.compile(r"<EliTask\b[^>]*?\srobotType\s*=\s*[\"']([^\"'<]*)")
+_MARK: Final = "$ LINE"
 _CONFIGURATION: Final = Kind("configuration", 64 << 20)
 
 
@@ -41,12 +48,16 @@ class TaskProgram:
         task: its tree.
         script: generated from it.
         missing: what would stand beside it and does not, as one note; empty: all is there.
+        doubts: what is hardly meant in the tree.
+        arm: name of the arm that it was made for; empty: the file does not say it.
     """
 
     path: Path
     task: Task
     script: Generated
     missing: str = ""
+    doubts: tuple[Problem, ...] = ()
+    arm: str = ""
 
 
 def task_program(path: str | Path, task_dir: str | Path | None = None) -> TaskProgram:
@@ -96,7 +107,49 @@ def _program(name: str, data: bytes, read: Callable[[str], bytes | None]) -> Tas
             else:
                 configuration = read_configuration(content, file)
     note = said("{files} is not beside the task", files=" or ".join(missing)) if missing else ""
-    return TaskProgram(Path(name), task, generated(task, configuration, variables), note)
+    script = generated(task, configuration, variables)
+    arm = _arm_of(task)
+    doubts = tree_doubts(
+        script.rows, configuration, None if arm is None else arm.arm, lambda path: _text(path, name, read)
+    )
+    return TaskProgram(Path(name), task, script, note, tuple(doubts), task.robot_type if arm is None else arm.name)
+
+
+def arm_of_file(path: str | Path) -> str:
+    """Return the name of the arm that a `.task` file names in its first tag; empty, if it names none that is known."""
+    try:
+        with opened(path) as file:
+            head = file.read(_HEAD_BYTES)
+    except UsageError:
+        return ""
+    found = _ARM.search(head.decode("utf-8", "replace"))
+    arm = None if found is None else _arm_named(found[1])
+    return "" if arm is None else arm.name
+
+
+def _arm_of(task: Task) -> RobotModel | None:
+    """Return the arm for which a task was made; None: it does not say it, or it is none of those that are known."""
+    return _arm_named(task.robot_type)
+
+
+def _arm_named(name: str) -> RobotModel | None:
+    try:
+        return load_model(name) if name.isalnum() else None
+    except UsageError:
+        return None
+
+
+def _text(path: str, name: str, read: Callable[[str], bytes | None]) -> str | None:
+    """Return the text of a file of a script node: beside the task, or in the task folder; None if there is none."""
+    parts = [part for part in path.replace("\\", "/").split("/") if part not in ("", ".")]
+    if not parts or ".." in parts or any(":" in part or "\0" in part for part in parts):
+        return None
+    beside = "" if Path(name).is_absolute() else name.rpartition("/")[0]
+    for folder in dict.fromkeys((f"{beside}/" if beside else "", "")):
+        data = read(f"{folder}{'/'.join(parts)}")
+        if data is not None:
+            return data.decode("utf-8", "replace")
+    return None
 
 
 def source_of_data(name: str, read: Callable[[str], bytes | None]) -> SourceFile:
@@ -145,14 +198,21 @@ def _source(program: TaskProgram) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
     """Return the script of a task, and what keeps it from running."""
     script = program.script
     places = {row.number: place_of(script.rows, row.number) for row in script.rows}
-    first: dict[int, int] = {}
-    for line, row in enumerate(script.line_rows, 1):
-        first.setdefault(row, line)
+    marks: dict[int, int] = {}
+    statements: dict[int, int] = {}
+    for line, (number, text) in enumerate(zip(script.line_rows, script.text.split("\n"), strict=False), 1):
+        marks.setdefault(number, line)
+        if not text.lstrip().startswith(_MARK):
+            statements.setdefault(number, line)
     found = [
         diagnostic(
-            "E004" if problem.is_error else "N225", first.get(problem.row, 1), 1, problem.text, hint=problem.hint
+            problem.code or ("E004" if problem.is_error else "N225"),
+            _line_of(problem, statements, marks),
+            1,
+            problem.text,
+            hint=problem.hint,
         )
-        for problem in script.problems
+        for problem in (*script.problems, *program.doubts)
         if problem.row or problem.is_error
     ]
     missing = [problem for problem in script.problems if not problem.row and not problem.is_error]
@@ -163,7 +223,14 @@ def _source(program: TaskProgram) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
         found += [diagnostic("N225", 1, 1, problem.text, hint=problem.hint) for problem in missing]
     notes = tuple(row for row in found if not row.is_error)
     lines = tuple(places.get(row, "") for row in script.line_rows)
-    return SourceFile(str(program.path), script.text, lines, notes), tuple(row for row in found if row.is_error)
+    source = SourceFile(str(program.path), script.text, lines, notes, program.arm, script.unset)
+    return source, tuple(row for row in found if row.is_error)
+
+
+def _line_of(problem: Problem, statements: dict[int, int], marks: dict[int, int]) -> int:
+    """Return the line of a problem: the first statement of its row, whose time a run knows; else its mark."""
+    line = marks.get(problem.row, 1)
+    return line if problem.is_error else statements.get(problem.row, line)
 
 
 def script_body(source: SourceFile) -> tuple[str, str, str]:

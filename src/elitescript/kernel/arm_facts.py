@@ -12,6 +12,7 @@ from elitescript.records import NamedTuple
 class _Limited(NamedTuple):
     """An arm with the limits of an installation."""
 
+    name: str
     arm: Arm
     joint_ranges: tuple[tuple[float, float], ...]
     payload_max_kg: float
@@ -29,4 +30,4 @@ def arm_facts(robot: RobotOptions) -> ArmFacts:
     low, high = zip(*model.joint_ranges, strict=True)
     lows = map(max, low, safety.normal.q_min or low)
     highs = map(min, high, safety.normal.q_max or high)
-    return _Limited(model.arm, tuple(zip(lows, highs, strict=True)), model.payload_max_kg)
+    return _Limited(model.name, model.arm, tuple(zip(lows, highs, strict=True)), model.payload_max_kg)

@@ -21,6 +21,7 @@ from elitescript.records import NamedTuple, replace
 from elitescript.said import said
 
 _ANY_SYNTAX = "E001"
+OTHER_ARM = "W229"
 _BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
 """Errors in lines that could be read: not syntax errors."""
 
@@ -100,7 +101,7 @@ def check_parsed(
 ) -> CheckResult:
     """Check and compile a text that was read; see `compile_checked`. Uses up the tree."""
     options = parsed.options
-    problems: list[Diagnostic] = [*parsed.source.notes]
+    problems = _known_before(parsed.source, arm)
     census = None
     if parsed.is_complete:
         program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)
@@ -123,9 +124,19 @@ def problems_of(program: AnalysedProgram) -> tuple[Diagnostic, ...]:
     """Return all problems of a text that was analysed, as `check_source`, and leave its tree as it is."""
     parsed = program.parsed
     problems = _findings(program) if parsed.is_complete else []
-    return _reported(
-        [*parsed.source.notes, *problems, *problems_in(parsed, program.census)], parsed.source, parsed.options.ignored
+    known = _known_before(parsed.source, program.arm)
+    return _reported([*known, *problems, *problems_in(parsed, program.census)], parsed.source, parsed.options.ignored)
+
+
+def _known_before(source: SourceFile, arm: ArmFacts | None) -> list[Diagnostic]:
+    """Return what is known of a text besides what stands in it: of the tree from which it was generated."""
+    if not source.arm or arm is None or source.arm.lower() == arm.name.lower():
+        return [*source.notes]
+    text = said(
+        "the graphical program was made for a {made_for}, and this is a {arm}", made_for=source.arm, arm=arm.name
     )
+    hint = said("--robot {made_for} runs it on that arm", made_for=source.arm)
+    return [diagnostic(OTHER_ARM, 1, 1, text, hint=hint), *source.notes]
 
 
 def _findings(program: AnalysedProgram) -> list[Diagnostic]:

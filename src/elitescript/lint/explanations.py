@@ -121,6 +121,42 @@ _TEXTS: Final[dict[str, str]] = {
 
         Copy the files from the `program` folder of the controller, or name that folder with `--task-dir`.
         """,
+    "W226": """
+        A waypoint of a graphical program (`.task`) whose pose lies more than 1 mm or 1 mrad from where its joint
+        positions lead, on the arm for which the task was made, with the TCP of its move. Which of both counts depends
+        on the move, so an edit of it may send the arm elsewhere. A pose of six zeros is none.
+
+            cell.task: 4 MoveL > 5 Above (script line 24): warning W226: its pose and its joint positions disagree
+
+        Teach the waypoint again. If all waypoints are apart by the length of the tool, the tool is missing: put the
+        `.configuration` file of the installation beside the task.
+        """,
+    "W227": """
+        A variable of the installation that a node of a graphical program (`.task`) uses, and that has no value in
+        `INST.configuration.variables`: it is not there, or its value is empty.
+
+            cell.task: 4 MoveJ > 5 home (script line 24): warning W227: the variable home has no value
+        """,
+    "W228": """
+        A script node of a graphical program (`.task`) with the text of a file as it was when the node was saved, and
+        the file beside the task has another text now. The pendant runs the text in the node.
+
+            cell.task: 3 Pick > 4 Script (script line 25): warning W228: the text in the node is not that of its file
+        """,
+    "W229": """
+        A graphical program (`.task`) that runs on another arm than the one for which it was made. Joint positions lead
+        elsewhere there, and poses may be out of reach.
+
+            cell.task: script line 1: warning W229: the graphical program was made for a CS612, and this is a CS66
+
+        `run`, `check`, `plot` and `sweep` take the arm of the task, unless `--robot` or the world file names one.
+        """,
+    "N227": """
+        A condition, loop, case, event, thread or sub-task of a graphical program (`.task`) in which nothing stands but
+        comments, placeholders and suppressed nodes. The default case of a switch may be empty.
+
+            cell.task: 2 Robot Main Task > 3 If (script line 24): note N227: nothing stands in it
+        """,
     "E101": """
         An `end` that closes nothing. Each `end` closes the block whose indentation it has. A surplus one often means
         that another block lost its header, or that a block was closed twice.

@@ -241,6 +241,7 @@ class AnalysedProgram:
             for use in self.outside
             if not (use.name in KNOWN or use.name in self.unread_names or is_dunder(use.name))
             and use.name not in self.presets
+            and use.name not in self.source.unset
             and CATALOGUE.get(use.name) is None
         )
 

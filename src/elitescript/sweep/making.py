@@ -28,7 +28,7 @@ from elitescript.sweep.results.page import REPLAYS
 from elitescript.sweep.results.table_files import is_of_sweep
 from elitescript.sweep.results.tables import columns
 from elitescript.untrusted.files import PROFILE, TASK_FILE, read_bytes, read_text
-from elitescript.world_file import tables_of, world_text
+from elitescript.world_file import arm_of_program, tables_of, world_text
 
 RUNS: Final = 100
 """Runs of a sweep without a grid, unless it is said."""
@@ -98,7 +98,7 @@ def make_plan(
     check_names(variations)
     if until_s is not None:
         accepted(UNTIL, until_s, "--until")
-    source = source_of(program)
+    source = source_of(program, task_dir)
     is_file = not source.name.startswith("<")
     path = Path(source.name)
     python: dict[str, str] = {}
@@ -112,6 +112,8 @@ def make_plan(
         if "model" not in chosen and isinstance(robot, dict) and isinstance(name := robot.get("model"), str):
             own = Path(world).parent / name
             chosen["model"] = str(own) if own.suffix == ".toml" else name
+    if "model" not in chosen and is_file and (arm := arm_of_program(path, world)):
+        chosen["model"] = arm
     if "model" in chosen:
         chosen |= named_model(chosen["model"])[1]
     ensure = tuple(_with_files(text, python) for text in ensure)

@@ -100,6 +100,9 @@ class ArmFacts(Protocol):
     """Facts of the arm on which doubts depend."""
 
     @property
+    def name(self) -> str: ...
+
+    @property
     def arm(self) -> Arm: ...
 
     @property

@@ -29,12 +29,16 @@ class SourceFile:
         places: of the script of a graphical program, the node of each line, as people say it; empty for a line that
             belongs to none. A text that was written by hand has none at all.
         notes: what is known of the text besides: of the graphical program that it was generated from.
+        arm: name of the arm that it is for; empty: it does not say.
+        unset: variables whose lack of a value `notes` have told.
     """
 
     name: str
     text: str
     places: tuple[str, ...] = field(default=(), repr=False, compare=False)
     notes: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
+    arm: str = field(default="", repr=False, compare=False)
+    unset: tuple[str, ...] = field(default=(), repr=False, compare=False)
     lines: tuple[str, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

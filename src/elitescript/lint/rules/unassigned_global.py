@@ -39,6 +39,14 @@ def unassigned_global(program: AnalysedProgram) -> Iterator[Finding]:
         statements = [node for scope in program.symbols.declaring(name) for node in scope.globals[name]]
         first = min(statements, key=lambda node: node.lineno)
         other = meant.by(name)
+        if program.source.places:
+            # Its declaration was generated: what is meant is where a node uses it.
+            uses = [node for scope in scopes for node in scope.reads.get(name, ())]
+            if uses:
+                hint = said("is `{meant}` meant?", meant=other) if other else said("give it a value in a node before")
+                text = said("the variable {name} has no value", name=name)
+                yield Finding(min(uses, key=lambda node: node.lineno), text, hint)
+            continue
         hint = said("is `{meant}` meant?", meant=other) if other else "give it a value, or leave the line out"
         yield Finding(
             _name_in(first, name, program), said("nothing gives the global `{name}` a value", name=name), hint

@@ -12,6 +12,7 @@ program expects the refusal. Of an arc the end counts, if it takes on its orient
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
 from typing import Final
 
@@ -28,6 +29,21 @@ _ARC_END: Final = "pose_to"
 _JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 _ANY_ARM: Final = ((-FULL_TURN, FULL_TURN),) * 6
 _TARGETS: Final = ("W230", "W231", "W237")
+
+
+_OF_JOINTS: Final = "get_forward_kin"
+_OF_POSE: Final = "get_inverse_kin"
+
+
+def _computed(name: str, node: ast.expr) -> tuple[str, ast.expr]:
+    """Return a target that is computed from another in the call of a move: the move that this would be of, and it."""
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.args:
+        given = {keyword.arg for keyword in node.keywords}
+        if name in _JOINT_MOVES and node.func.id == _OF_POSE and len(node.args) <= 2 and given <= {"qnear"}:
+            return _POSE_MOVES[0], node.args[0]
+        if name in _POSE_MOVES and node.func.id == _OF_JOINTS and len(node.args) == 1 and not given:
+            return _JOINT_MOVES[0], node.args[0]
+    return name, node
 
 
 @rule(code="W236", since="0.2")
@@ -47,12 +63,13 @@ def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
             if _ARC_END not in given or mode != 0:
                 continue
             param, node = given[_ARC_END]
+        what = f"{called.command.name}: {param.name}"
+        name, node = _computed(name, node)
         if node in refused:
             continue
         value = program.constants.value(node, called.scope)
         if doubted and any(element(node, index) in doubted for index in (None, *range(6))):
             continue
-        what = f"{called.command.name}: {param.name}"
         if name in _JOINT_MOVES:
             ranges = _ANY_ARM if program.arm is None else program.arm.joint_ranges
             items = value if isinstance(value, (list, tuple)) and len(value) == 6 else ()

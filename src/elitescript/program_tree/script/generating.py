@@ -19,6 +19,8 @@ from elitescript.program_tree.xml_text import Element
 from elitescript.records import record
 from elitescript.said import said
 
+NO_VALUE: Final = "W227"
+
 WRITERS: Final[dict[type[Node], Callable[[Script, Row], None]]] = {
     nodes.Folder: flow.folder,
     nodes.Loop: flow.loop,
@@ -50,12 +52,14 @@ class Generated:
         rows: of the task.
         line_rows: the number of the row of each line; 0: the line belongs to no row.
         problems: found on the way, in the order of rows.
+        unset: variables of the configuration without a value, which nodes use; the problems name them.
     """
 
     text: str
     rows: tuple[Row, ...]
     line_rows: tuple[int, ...]
     problems: tuple[Problem, ...]
+    unset: tuple[str, ...] = ()
 
     @property
     def errors(self) -> tuple[Problem, ...]:
@@ -101,16 +105,22 @@ def generated(
     lines = [*script.lines[:place], *preamble.lines, *script.lines[place:]]
     line_rows = [*script.rows[:place], *preamble.rows, *script.rows[place:]]
     problems = sorted((*script.problems, *preamble.problems), key=lambda problem: problem.row)
-    if variables is None and (used := texts.unset(task)):
-        names = ", ".join(used)
-        missing = said("there are no values of the variables {names}", names=names)
-        name = f"{task.installation or task.name}.configuration.variables"
-        problems.insert(0, Problem(0, missing, is_error=False, hint=said("They stand in {file}.", file=name)))
+    unset = _unset(rows, variables or ())
+    file = f"{task.installation or task.name}.configuration.variables"
+    if variables is not None:
+        for name, row in unset.items():
+            text = said("the variable {name} has no value", name=name)
+            hint = said("It is one of the installation, whose file {file} has no value for it.", file=file)
+            problems.append(Problem(row, text, is_error=False, hint=hint, code=NO_VALUE))
+        problems.sort(key=lambda problem: problem.row)
+    elif unset:
+        missing = said("there are no values of the variables {names}", names=", ".join(unset))
+        problems.insert(0, Problem(0, missing, is_error=False, hint=said("They stand in {file}.", file=file)))
     text = "\n".join(lines) + "\n"
     if any("\n" in line for line in lines):
         # A text with an end of line inside would shift the rows of all lines behind it.
         line_rows = [row for line, row in zip(lines, line_rows, strict=True) for _ in range(line.count("\n") + 1)]
-    return Generated(text, rows, tuple(line_rows), tuple(problems))
+    return Generated(text, rows, tuple(line_rows), tuple(problems), tuple(unset))
 
 
 def body(script: Script, rows: tuple[Row, ...]) -> None:
@@ -177,17 +187,24 @@ class _Parts:
             waiting[:0] = here.inside
         return tuple(found)
 
-    def unset(self, task: Task) -> tuple[str, ...]:
-        """Return the variables of the configuration that nodes use."""
-        found: dict[str, None] = {}
-        for node in _nodes(task):
-            if isinstance(node, nodes.Waypoint) and node.position == "variable" and node.is_global and node.variable:
-                found[node.variable] = None
-            for expression in _expressions(node):
-                for cell in expression.cells:
-                    if isinstance(cell, VariableCell) and cell.is_global:
-                        found[cell.name] = None
-        return tuple(found)
+
+def _unset(rows: tuple[Row, ...], variables: tuple[GlobalVariable, ...]) -> dict[str, int]:
+    """Return the variables of the configuration that nodes use and that have no value, with the row of the first."""
+    found: dict[str, int] = {}
+    given = {variable.name for variable in variables if variable.value.strip()}
+    for row in rows:
+        node = row.node
+        if node.is_suppressed:
+            continue
+        if isinstance(node, nodes.Waypoint) and node.position == "variable" and node.is_global and node.variable:
+            found.setdefault(node.variable, row.number)
+        for expression in _expressions(node):
+            for cell in expression.cells:
+                if isinstance(cell, VariableCell) and cell.is_global:
+                    found.setdefault(cell.name, row.number)
+    # What a node sets has a value by the time another reads it, as far as a tree shows.
+    given |= {row.node.variable for row in rows if isinstance(row.node, nodes.Assignment) and row.node.is_global}
+    return {name: row for name, row in found.items() if name not in given}
 
 
 def task_variables(task: Task) -> tuple[str, ...]:

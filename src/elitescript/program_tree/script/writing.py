@@ -29,12 +29,14 @@ class Problem:
         text: what is wrong.
         is_error: the task cannot run.
         hint: what to do.
+        code: of the rule that found it; empty: it was found while the script was written.
     """
 
     row: int
     text: str
     is_error: bool = True
     hint: str = ""
+    code: str = ""
 
 
 class Script:
