@@ -64,6 +64,14 @@ class RobotLink(Protocol):
             parts: of its snapshot that are read, as bits of `messages.snapshot_parts`.
         """
 
+    def known(self, number: int, parts: int) -> Output | None:
+        """Return the output of the next tick, given nothing; None if it has not come, or is not known any more.
+
+        Args:
+            number: of the tick, for which `knows` was True.
+            parts: likewise.
+        """
+
     async def tick(
         self,
         inputs: Sequence[Input],
@@ -135,6 +143,9 @@ class InProcessLink:
     def knows(self, number: int, parts: int) -> bool:
         """Return False: a tick in this process is computed when it comes."""
         return False
+
+    def known(self, number: int, parts: int) -> Output | None:
+        return None
 
     async def tick(
         self,

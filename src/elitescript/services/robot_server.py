@@ -336,7 +336,9 @@ class RobotServer:
                 # What has come in since it began is for the next one.
                 self._is_under_way = True
                 number, parts = self._from_tick + 1, self._known_parts
-                self._end_tick(await self.link.tick((), parts, number, asks_due=False, outlet=time.outlet))
+                if (output := self.link.known(number, parts)) is None:
+                    output = await self.link.tick((), parts, number, asks_due=False, outlet=time.outlet)
+                self._end_tick(output)
                 continue
             lag = self._lag(time.lag_ticks)
             inputs = self._begin_tick()

@@ -256,6 +256,22 @@ class ChildLink:
         """See `RobotLink.knows`."""
         return self._transport is not None and self._is_known(self._transport, number, parts)
 
+    def known(self, number: int, parts: int) -> Output | None:
+        """See `RobotLink.known`: nothing is to be done for such a tick but to take its row."""
+        transport = self._transport
+        if transport is None or self._urgent_since_s is not None or not self._is_known(transport, number, parts):
+            return None
+        if not parts or (output := transport.take_row(number, parts)) is None:
+            return None
+        assert isinstance(output, Output)
+        self._grace_left_s = min(self._grace_left_s + GRACE_PER_TICK_S, self._grace_s)
+        self._next = number + 1
+        self._supervision.note_answer(number - self._answered)
+        self._answered = number
+        self._outputs.pass_on(output)
+        transport.process.watch(True)
+        return output
+
     async def tick(
         self,
         inputs: Sequence[Input],

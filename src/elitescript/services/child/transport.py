@@ -246,25 +246,29 @@ class ChildTransport:
 
     def await_row(self, number: int, parts: int) -> None:
         """Take the row of a tick of `knows` as the tick's output: now, or when it comes."""
-        if not self.unanswered:
-            row = self._rows.take(number)
-            if row is None:
-                self.process.read()
-                row = self._rows.take(number)
-            if row is not None:
-                self._hand_on_row(SentTick(number, (), parts, NO_INPUTS), row)
-                return
-        self.unanswered.append(SentTick(number, (), parts, NO_INPUTS))
+        sent = SentTick(number, (), parts, NO_INPUTS)
+        output = self.take_row(number, parts)
+        if output is None:
+            self.unanswered.append(sent)
+        else:
+            self._on_output(sent, output, self._rows.due)
 
-    def _hand_on_row(self, sent: SentTick, row: Output) -> None:
-        """Hand on a row as the output of its tick: with what is asked for in it, as if the child had been sent it."""
+    def take_row(self, number: int, parts: int) -> Output | TickResult | None:
+        """Return what a tick of `knows` gives, as if the child had been sent it; None if that has not come yet."""
+        if self.unanswered:
+            return None
+        row = self._rows.take(number)
+        if row is None:
+            self.process.read()
+            row = self._rows.take(number)
+        return None if row is None else self._given(row, parts)
+
+    def _given(self, row: Output, parts: int) -> Output | TickResult:
+        """Return a row as the output of its tick, with what is read in it and no more."""
         self._desk.new_tick()
-        output: Output | TickResult = row
-        if not sent.parts:
-            output = TickResult(row.tick, (), (), ())
-        elif row.parts != sent.parts | TIME:
-            output = row.with_snapshot(row.snapshot, sent.parts | TIME)
-        self._on_output(sent, output, self._rows.due)
+        if not parts:
+            return TickResult(row.tick, (), (), ())
+        return row if row.parts == parts | TIME else row.with_snapshot(row.snapshot, parts | TIME)
 
     def send_code(self, content: bytes) -> None:
         """Send a part of a program that was compiled."""
@@ -347,7 +351,8 @@ class ChildTransport:
         if self._rows.add(row) and self.unanswered and self.unanswered[0].number == row.tick:
             taken = self._rows.take(row.tick)
             assert taken is not None
-            self._hand_on_row(self.unanswered.popleft(), taken)
+            sent = self.unanswered.popleft()
+            self._on_output(sent, self._given(taken, sent.parts), self._rows.due)
 
     def _measured(self, letter: str, text: bytes, parts: int) -> Output | TickResult:
         """Read an output.
