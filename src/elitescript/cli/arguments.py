@@ -73,6 +73,13 @@ def add_run(parser: Parser) -> None:
     )
     _add_trace_signals(parser)
     _add_log(parser)
+    parser.add_argument(
+        "--keep",
+        metavar="all|none|KIND,...",
+        default="all",
+        help="kinds of events that the run keeps in memory besides writing them, such as Alarm,Warned (default all: "
+        "the last 50,000 at least, about 1 MiB for an hour of moves); less is known of a run that is stuck",
+    )
     _add_watch(parser)
     parser.add_argument(
         "--format",

@@ -12,7 +12,7 @@ A plain run needs neither ports nor inputs. They are imported by the first that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 from elitescript.controller.controller import Controller
@@ -119,6 +119,7 @@ class Kernel:
         "_ports",
         "_posted",
         "_requests",
+        "_rows",
         "_seen",
         "_snapshots",
         "_witness",
@@ -176,6 +177,8 @@ class Kernel:
         self._ports: dict[str, Connect] = {}
         self._handlers: InputHandlers | None = None
         self._snapshots: SnapshotBuilder | None = None
+        self._rows: SnapshotBuilder | None = None
+        """Of ticks that have not run."""
         self._requests: RequestChannels | None = None
         self._faulty: FaultyChannels | None = None
         self.controller = Controller(
@@ -407,6 +410,42 @@ class Kernel:
         return self._snapshot_builder().picture(
             handlers.tasks.shown, self.popup.text, is_remote=handlers.is_remote, parts=parts
         )
+
+    def ticks_ahead(self, due: int, count: int) -> range:
+        """Return the ticks after the present one, `count` at most, of which `rows` knows what they will show.
+
+        Args:
+            due: the next tick at which anything is due.
+            count: not negative.
+        """
+        controller, tick = self.controller, self.controller.tick
+        if not controller.is_plant_ideal:
+            # What is kept of an arm at rest has the noise of the tick in which it was computed.
+            count = 0
+        return range(tick + 1, min(due - 1, tick + count, controller.loads.known_until) + 1)
+
+    def rows(self, ticks: range, parts: int) -> Iterator[Output]:
+        """Yield what ticks of `ticks_ahead` give if nothing is given to the robot by then; it stays at its tick.
+
+        Args:
+            ticks: in rising order.
+            parts: of their snapshots that are computed; the others are older or newer.
+        """
+        from elitescript.controller.views.snapshots import SnapshotBuilder
+        from elitescript.messages.outputs import Output
+
+        controller, handlers, present = self.controller, self.handlers, self.controller.tick
+        if self._rows is None:
+            # What the snapshots of ticks that run keep of the ones before must not come from later ticks.
+            self._rows = SnapshotBuilder(controller)
+        shown, popup, is_remote = handlers.tasks.shown, self.popup.text, handlers.is_remote
+        try:
+            for tick in ticks:
+                controller.leap(tick)
+                snapshot = self._rows.picture(shown, popup, is_remote=is_remote, parts=parts)
+                yield Output(tick, (), (), (), snapshot, parts)
+        finally:
+            controller.leap(present)
 
     def discrete_state(self) -> tuple[object, ...]:
         """Return all that a snapshot shows and that does not change with time alone; see `SnapshotBuilder`.

@@ -394,7 +394,8 @@ class ScriptHost:
             self.watchdogs.look(tick)
         try:
             self._settle()
-            while True:
+            # Many ticks are due for the arm alone.
+            while scheduler.has_work or self._ending:
                 scheduler.run_ready()
                 if not self._settle():
                     break

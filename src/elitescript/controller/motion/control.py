@@ -305,7 +305,10 @@ class MotionControl:
 
     def is_done(self, number: int) -> bool:
         """Return whether the call of that number is over."""
-        return all(source is None or not source.is_awaited(number) for source in (self._source, self._next))
+        source, after = self._source, self._next
+        if source is not None and source.is_awaited(number):
+            return False
+        return after is None or not after.is_awaited(number)
 
     def cancel(self, number: int, tick: int) -> None:
         """Brake the motion of that call, if it is under way or waits."""
@@ -514,8 +517,7 @@ class MotionControl:
 
     def _advance(self, tick: int) -> None:
         """Advance a drive to a tick, and brake it in front of an obstacle."""
-        if isinstance(self._source, Drive):
-            self._source.advance(tick)
+        if isinstance(self._source, Drive) and self._source.advance(tick):
             self._guard(tick)
 
     def _changed(self, tick: int) -> None:
