@@ -167,10 +167,10 @@ def record_of(keep: str | Iterable[str]) -> EventRecord:
         return EventRecord()
     if names == ["none"]:
         return ChosenEvents(frozenset())
-    kinds: dict[object, type] = {kind.__name__: kind for kind in get_args(Event)}
+    kinds = {kind.__name__: kind for kind in get_args(Event)}
     for name in names:
         if name not in kinds:
-            near = did_you_mean(name, kinds) if isinstance(name, str) else ""
+            near = did_you_mean(str(name), kinds)
             raise UsageError(
                 said(
                     "no kind of event is called {name}{near}; keep takes all, none, or some of {kinds}",

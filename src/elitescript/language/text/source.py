@@ -58,6 +58,11 @@ class SourceFile:
     tree: TreeFacts | None = field(default=None, repr=False, compare=False)
     lines: tuple[str, ...] = field(init=False, repr=False, compare=False)
 
+    @property
+    def arm(self) -> str:
+        """Name of the arm for which a graphical program was made; empty: it says none, or is a script."""
+        return "" if self.tree is None else self.tree.arm
+
     def __post_init__(self) -> None:
         text = self.text.removeprefix(BOM)
         if "\r" in text:

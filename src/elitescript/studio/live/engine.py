@@ -688,7 +688,10 @@ _REPEATED: Final = frozenset(
 
 def _of_task(task: OpenedTask | None) -> dict[str, Any]:
     """Return what a job takes over from a graphical program."""
-    return {} if task is None else {name: getattr(task.source, name) for name in ("places", "arm", "unset")}
+    if task is None:
+        return {}
+    tree = task.source.tree
+    return {"places": task.source.places, "arm": task.source.arm, "unset": () if tree is None else tree.unset}
 
 
 def _with_task(message: Message, task: OpenedTask | None) -> Message:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from elitescript.conversation.messages import SignalInput
 from elitescript.environment.memory import FolderCopy, folder_contents
 from elitescript.environment.network_option import STUDIO, WORLD_FILE
-from elitescript.language.text.source import SourceFile
+from elitescript.language.text.source import SourceFile, TreeFacts
 from elitescript.messages.signals import Value
 from elitescript.models.model import is_model_file
 from elitescript.paths import is_program_name, is_task_name
@@ -56,7 +56,8 @@ class Job:
     @property
     def source(self) -> SourceFile:
         """The text under the name that it has in tracebacks."""
-        return SourceFile(code_name(self.name), self.text, self.places, arm=self.arm, unset=self.unset)
+        tree = TreeFacts(self.arm, self.unset) if self.places else None
+        return SourceFile(code_name(self.name), self.text, self.places, tree=tree)
 
 
 def job_data(job: Job) -> dict[str, Any]:
