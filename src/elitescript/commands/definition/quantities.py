@@ -320,7 +320,7 @@ class Vector(Quantity):
         if self._takes_any_finite:
             if _FLOAT.issuperset(map(type, items)) and all(map(isfinite, items)):
                 return items
-            if _SMALL_NUMBERS.issuperset(map(type, items)) and max(map(abs, items), default=0.0) < _SURELY_FINITE:
+            if _SMALL_NUMBERS.issuperset(map(type, items)) and all(-_SURELY_FINITE < item < _SURELY_FINITE for item in items):
                 return tuple(map(float, items))
         coerce = self.element.coerce
         result = []
