@@ -10,11 +10,11 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from itertools import accumulate
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from elitescript.assist.names import Names
 from elitescript.commands.definition.plausibility import ArmFacts
-from elitescript.language.diagnostics import Diagnostic, Edit
+from elitescript.language.diagnostics import Diagnostic, Edit, Outdated
 from elitescript.language.garbage import without_collection
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse, translated
@@ -29,6 +29,9 @@ from elitescript.records import field, record
 from elitescript.values.memory import Memory
 
 _Found = TypeVar("_Found")
+
+_FOUND: Final = ("translation", "parsed", "program", "names", "_written", "quick_problems", "problems")
+"""What is kept of a document once it was found."""
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
@@ -83,7 +86,7 @@ class Document:
         self.settings = settings or Settings()
         self.is_outdated = False
         self._pieces = Pieces()
-        self._memory: Memory | None = None
+        self._memory = Memory()
         self._of_twins = _OfTwins()
         self._found: dict[Callable[[Document], Any], Any] = {}
 
@@ -150,6 +153,15 @@ class Document:
             self._found[find] = without_collection(find)(self)
         found: _Found = self._found[find]
         return found
+
+    def release(self) -> None:
+        """Let go of all that was found, which knows this document and would wait for the collector."""
+        program = self.__dict__.get("program")
+        for name in _FOUND:
+            self.__dict__.pop(name, None)
+        self._found.clear()
+        if program is not None:
+            program.release()
 
     def twin(self) -> Document:
         """Return the same version for another thread: what is found of it later is found by each for itself.
@@ -220,6 +232,11 @@ class Document:
 
     @cached_property
     def _written(self) -> WrittenProgram:
+        # Each of them takes a while for a long text.
+        for step in ("translation", "parsed", "program"):
+            if self.is_outdated:
+                raise Outdated
+            getattr(self, step)
         return WrittenProgram(self.program)
 
     @cached_property

@@ -268,8 +268,8 @@ class Anything(Quantity):
 
 
 _FLOAT: Final = frozenset({float})
-_SMALL_NUMBERS: Final = frozenset({float, int})
-_SURELY_FINITE: Final = 1e300
+_FLOAT_OR_INT: Final = frozenset({float, int})
+_LARGE: Final = 1e300
 _PLURALS: Final = {"float": "numbers", "int": "ints", "bool": "bools"}
 
 
@@ -320,7 +320,7 @@ class Vector(Quantity):
         if self._takes_any_finite:
             if _FLOAT.issuperset(map(type, items)) and all(map(isfinite, items)):
                 return items
-            if _SMALL_NUMBERS.issuperset(map(type, items)) and all(-_SURELY_FINITE < item < _SURELY_FINITE for item in items):
+            if _FLOAT_OR_INT.issuperset(map(type, items)) and all(-_LARGE < item < _LARGE for item in items):
                 return tuple(map(float, items))
         coerce = self.element.coerce
         result = []
