@@ -165,15 +165,12 @@ invariants: $(READY)
 mistakes: $(READY)
 	$(BIN)/python -m tests.mistakes
 
-# Needs the package `test` of the interpreter of .venv; other programs come from the pyperformance of its makers, into build/.
-# A part: python -m tests.foreign --only test_list
+# Needs the package `test` of the interpreter; a part: python -m tests.foreign --only test_list
 PYPERFORMANCE := build/pyperformance-1.14.0
 
-$(PYPERFORMANCE)/.ready: $(READY)
+foreign: $(READY)
+	@$(BIN)/python -m tests.foreign --installed
 	$(BIN)/python -m pip install -qq --disable-pip-version-check --no-deps --upgrade --target $(PYPERFORMANCE) pyperformance==1.14.0
-	@touch $@
-
-foreign: $(PYPERFORMANCE)/.ready
 	$(BIN)/python -m tests.foreign --programs $(PYPERFORMANCE) --write
 
 # An ordinary session looks at the values of one program in sixteen, this one at all of them; TESTS as above.

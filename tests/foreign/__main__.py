@@ -22,9 +22,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
-from tests.foreign.comparing import IS_DIFFERENT, Cause, Verdict, compare
+from tests.foreign.comparing import IS_DIFFERENT, Cause, Verdict, compare, settle
 from tests.foreign.known import load_known
-from tests.foreign.page import PAGE, Result, page, table
+from tests.foreign.page import PAGE, Result, page, program_row, table
+from tests.foreign.programs import ANOTHER, ROUNDS, Timed, summary, timed
 from tests.foreign.running import Outcome, on_python, run_all, warm_up
 from tests.foreign.slicing import Case, cases
 from tests.foreign.sources import GROUPS, Library, tests_folder
@@ -47,6 +48,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--list", type=Path, help="file for all that came out, one JSON record a line")
     parser.add_argument("--show", help="print the program of a test, and what comes of it")
+    parser.add_argument("--programs", type=Path, help="folder where pyperformance is installed; its programs run too")
+    parser.add_argument("--installed", action="store_true", help="only say whether the package `test` is there")
     parser.add_argument("--write", action="store_true", help="write the page")
     parser.add_argument("--again", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
@@ -54,6 +57,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if folder is None:
         print(MISSING, file=sys.stderr)
         return 2
+    if options.installed:
+        return 0
     if options.again:
         return _again()
     if os.environ.get("PYTHONHASHSEED") != SEED:
@@ -71,10 +76,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for line in result.lines():
         print(line)
     print(f"{result.summary} {time.monotonic() - began_s:.0f} s.")
+    programs = list(shown_programs(options.programs)) if options.programs else []
     if options.write:
-        PAGE.write_text(page(result), encoding="utf-8")
+        PAGE.write_text(page(result, programs, ROUNDS), encoding="utf-8")
         print(f"written: {PAGE.name}")
-    return 0 if result.is_known else 1
+    return 0 if result.is_known and not any(program.why == ANOTHER for program in programs) else 1
+
+
+def shown_programs(folder: Path) -> Iterator[Timed]:
+    """Run the programs of pyperformance, print a row for each, and the mean of them all."""
+    rows = []
+    for row in timed(folder):
+        rows.append(row)
+        print(program_row(row), flush=True)
+        yield row
+    same, mean, worst = summary(rows)
+    print(
+        f"{same} of {len(rows)} programs give the same output; {mean:.2f} times the time of CPython, worst {worst:.2f}"
+    )
 
 
 def chosen_cases(library: Library, only: Sequence[str]) -> Iterator[Case]:
@@ -130,8 +149,8 @@ def judged(chosen: Iterator[Case], width: int) -> Iterator[tuple[Case, Verdict, 
             yield case, verdict, outcomes
     for name, outcome in run_all(((name, "fresh", case.text) for name, (case, _, _) in different.items()), width):
         case, outcomes, verdict = different[name]
-        if compare(outcomes["python"], outcome).cause in IS_DIFFERENT:
-            verdict = Verdict(Cause.VARIES, verdict.text)
+        if outcome.end not in ("late", "crash", "internal"):
+            verdict = settle(outcomes["python"], outcomes["robot"], outcome)
         yield case, verdict, outcomes
     for case in unsliced:
         yield case, Verdict(Cause.UNSLICED, case.why), {}

@@ -21,7 +21,10 @@ import traceback
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from elitescript.run import Run
 
 FILE: Final = "foreign.script"
 ROBOT_S: Final = 900.0
@@ -43,6 +46,7 @@ class Outcome:
         text: its text.
         line: where it ended; 0 if nowhere.
         notes: operands of the assertions, in their order.
+        cpu_s: processor time of the run without its compilation, s.
     """
 
     end: str
@@ -50,6 +54,7 @@ class Outcome:
     text: str = ""
     line: int = 0
     notes: list[list[str]] = field(default_factory=list)
+    cpu_s: float = field(default=0.0, compare=False)
 
 
 def on_python(text: str) -> Outcome:
@@ -61,16 +66,20 @@ def on_python(text: str) -> Outcome:
     names: dict[str, Any] = {"__name__": "__main__", "__builtins__": builtins, "textmsg": lambda *parts: None}
     raised: BaseException | None = None
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        began_s = time.process_time()
         try:
             exec(code, names)
             names["main"]()
         except BaseException as error:
             raised = error
+        cpu_s = time.process_time() - began_s
     line = 0
     if raised is not None:
         lines = [n for frame, n in traceback.walk_tb(raised.__traceback__) if frame.f_code.co_filename == FILE]
         line = lines[-1] if lines else 0
-    return _outcome(names, raised, line)
+    outcome = _outcome(names, raised, line)
+    outcome.cpu_s = cpu_s
+    return outcome
 
 
 def _as_function(text: str) -> Any:
@@ -103,10 +112,18 @@ def on_robot(text: str) -> Outcome:
 
     robot = VirtualRobot(network="none")
     try:
-        run = robot.run(text, until_s=ROBOT_S)
+        unit = robot.compile(text)
     except ProgramError as error:
         first = next((each for each in error.problems if each.code != "E115"), error.problems[0])
         return Outcome("refused", first.code, first.text, first.line)
+    began_s = time.process_time()
+    run = robot.run(unit, until_s=ROBOT_S)
+    outcome = _outcome_of(run)
+    outcome.cpu_s = time.process_time() - began_s
+    return outcome
+
+
+def _outcome_of(run: Run) -> Outcome:
     names = dict(run.globals)
     if run.state == "alarm":
         alarm = run.alarms[0]
@@ -159,12 +176,15 @@ class _Child:
     answer: bytearray = field(default_factory=bytearray)
 
 
-def run_all(jobs: Iterable[tuple[Any, str, str]], width: int) -> Iterator[tuple[Any, Outcome]]:
+def run_all(
+    jobs: Iterable[tuple[Any, str, str]], width: int, cpu_s: int = CPU_S, wall_s: float = WALL_S
+) -> Iterator[tuple[Any, Outcome]]:
     """Run programs side by side, each in a fork of this process; yield the outcomes as they come.
 
     Args:
         jobs: key, side and text of each.
         width: how many run at once.
+        cpu_s, wall_s: bounds of each.
     """
     sys.stdout.flush()
     sys.stderr.flush()
@@ -178,7 +198,7 @@ def run_all(jobs: Iterable[tuple[Any, str, str]], width: int) -> Iterator[tuple[
                 if job is None:
                     is_more = False
                     break
-                child = _started(*job)
+                child = _started(*job, cpu_s, wall_s)
                 children[child.reader] = child
                 selector.register(child.reader, selectors.EVENT_READ)
             for event, _ in selector.select(0.2) if children else ():
@@ -197,21 +217,21 @@ def run_all(jobs: Iterable[tuple[Any, str, str]], width: int) -> Iterator[tuple[
                 yield child.key, _ended(child, is_late=True)
 
 
-def _started(key: Any, side: str, text: str) -> _Child:
+def _started(key: Any, side: str, text: str, cpu_s: int, wall_s: float) -> _Child:
     reader, writer = os.pipe()
     pid = os.fork()
     if pid == 0:
         try:
             os.close(reader)
             os.setpgid(0, 0)
-            _bound()
+            _bound(cpu_s)
             answer = _answer(SIDES[side], text)
             with os.fdopen(writer, "wb") as out:
                 out.write(json.dumps(asdict(answer)).encode("ascii"))
         finally:
             os._exit(0)
     os.close(writer)
-    return _Child(key, pid, reader, time.monotonic() + WALL_S)
+    return _Child(key, pid, reader, time.monotonic() + wall_s)
 
 
 def _answer(side: Callable[[str], Outcome], text: str) -> Outcome:
@@ -223,9 +243,9 @@ def _answer(side: Callable[[str], Outcome], text: str) -> Outcome:
         return Outcome("internal", type(error).__name__, f"{error} ({where})")
 
 
-def _bound() -> None:
+def _bound(cpu_s: int) -> None:
     """Bound time, memory and files of this process; what it would print goes nowhere."""
-    resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S + 2))
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 2))
     if sys.platform == "linux":
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

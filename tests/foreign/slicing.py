@@ -23,6 +23,8 @@ SUPPORT: Final = ("support", "support.os_helper", "support.threading_helper", "s
 """Modules that give what has no stand-in."""
 SEEDED: Final = "import random as foreign_random\nforeign_random.seed(1)"
 """Stands before the tests that draw numbers, so that both sides draw the same."""
+INSIDE: Final = re.compile(r"^\s*(?:import|from) _(?:test\w+|xx\w+|ctypes)\b", re.MULTILINE)
+"""An import of modules that CPython has for its own tests alone."""
 TEXT_MAX: Final = 200_000
 """Characters of a program; the data of some tests are larger than any program."""
 BUILT_IN: Final = frozenset(dir(builtins)) | {"__name__", "__file__", "__doc__"}
@@ -137,6 +139,8 @@ def sliced(library: Library, module: Module, chain: list[Link], method: str) -> 
         Unsliced: it needs something that cannot be cut out.
     """
     text = _Slice(library, module, chain, method).text()
+    if INSIDE.search(text):
+        raise Unsliced("it needs a module that CPython has for its own tests alone")
     if len(text) > TEXT_MAX:
         raise Unsliced("the data of the test are too long for a program")
     return text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.foreign.comparing import IS_DIFFERENT, Cause, compare
+from tests.foreign.comparing import IS_DIFFERENT, Cause, compare, settle
 from tests.foreign.known import load_known
 from tests.foreign.page import Result, table
 from tests.foreign.running import Outcome, on_python, on_robot, run_all
@@ -60,6 +60,17 @@ def test_the_cause_of_a_pair(python: Outcome, robot: Outcome, cause: Cause) -> N
     assert compare(python, robot).cause == cause
 
 
+def noted(*values: int) -> Outcome:
+    return Outcome("passed", notes=[["equal", str(value), "1"] for value in values])
+
+
+def test_what_varies_in_cpython_itself_hides_nothing_else() -> None:
+    assert settle(noted(1, 7, 3), noted(1, 8, 3), noted(1, 9, 3)).cause == Cause.VARIES
+    assert settle(noted(1, 7, 3), noted(1, 8, 4), noted(1, 9, 3)).cause == Cause.VALUE
+    assert settle(noted(1, 7), noted(1, 8), noted(1, 7)).cause == Cause.VALUE
+    assert settle(noted(1, 7), noted(1), noted(1, 7, 8)).cause == Cause.VARIES
+
+
 PROGRAM = """global foreign_end, foreign_notes
 foreign_notes = [["equal", repr(3), repr(1 + 2)]]
 foreign_end = []
@@ -95,8 +106,7 @@ def test_processes_that_die_and_those_that_fail_have_an_outcome(monkeypatch: pyt
     assert found[0].end == "error" and found[0].line == 5
     assert (found[1].end, found[1].kind) == ("crash", "")
     assert (found[2].end, found[2].kind) == ("crash", "SIGTERM")
-    monkeypatch.setattr("tests.foreign.running.WALL_S", 0.1)
-    assert dict(run_all([(0, "python", "import time\ntime.sleep(60)\n")], 1))[0].end == "late"
+    assert dict(run_all([(0, "python", "import time\ntime.sleep(60)\n")], 1, wall_s=0.1))[0].end == "late"
 
 
 ROWS = """

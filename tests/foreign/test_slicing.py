@@ -155,6 +155,14 @@ def test_what_has_no_stand_in_is_said(library: Library) -> None:
     assert (case.text, case.why) == ("", "it needs unittest.mock")
 
 
+def test_modules_for_the_tests_of_the_interpreter_are_no_matter_of_programs(tmp_path: Path) -> None:
+    text = "import unittest\ntry:\n    import _testcapi\nexcept ImportError:\n    _testcapi = None\n"
+    tests = "class T(unittest.TestCase):\n    def test_a(self):\n        _testcapi.f()\n"
+    (tmp_path / "test_x.py").write_text(text + tests)
+    case = next(cases(Library(tmp_path), "language", ["test_x"]))
+    assert case.why == "it needs a module that CPython has for its own tests alone"
+
+
 def test_a_module_is_imported_as_it_is_for_tests_that_ask_for_a_fresh_one() -> None:
     module = read_module("test_x", "c = import_helper.import_fresh_module('heapq', fresh=['_heapq'])\n")
     assert [piece.text for piece in module.pieces] == [
