@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.plausibility import JUDGES, TAKEN_FOR_EACH_OTHER, ArmFacts, Doubt, mistaken
+from elitescript.commands.definition.quantities import Anything
 from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
@@ -368,6 +369,8 @@ class AnalysedProgram:
                 # The program expects it.
                 continue
             for param, node in arguments.given:
+                if type(param.quantity) is Anything:
+                    continue
                 # A placeholder stands there in place of the author's text.
                 if mistakes:
                     span = self.span(node)

@@ -115,6 +115,22 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
 
 
 _WORDS: Final[dict[str, tuple[str, ...]]] = {
+    "analog_fraction": ("set_standard_analog_out",),
+    "blend_too_long": ("move",),
+    "busy_loop": ("while",),
+    "called_for_thread": ("start_thread",),
+    "duplicate_function": ("def", "sec", "thread"),
+    "forbidden_in_secondary": ("sec", "thread"),
+    "mirrored_address": ("write_port_",),
+    "missing_global": ("global",),
+    "missing_return": ("return",),
+    "negative_radius": ("move",),
+    "payload_too_heavy": ("set_payload",),
+    "poll_in_secondary": ("sec", "thread"),
+    "speed_in_other_units": ("move", "speed", "stop"),
+    "unassigned_global": ("global",),
+    "unavailable_module": ("import",),
+    "unreachable_target": ("move", "servoj"),
     "always_true": ("if", "while", " or "),
     "joined_lists": ("+", "*"),
     "measured_exactly": ("==", "!=", " in "),

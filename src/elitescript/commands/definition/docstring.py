@@ -31,9 +31,10 @@ def _written_in(path: str) -> Mapping[str, str]:
 
     try:
         # Since Python 3.14 the tree has no docstrings either, unless it is asked for as without an option.
-        module: Module = compile(Path(path).read_bytes(), path, "exec", PyCF_ONLY_AST, dont_inherit=True, optimize=0)
+        module = compile(Path(path).read_bytes(), path, "exec", PyCF_ONLY_AST, dont_inherit=True, optimize=0)
     except (OSError, SyntaxError, ValueError):
         return {}
+    assert isinstance(module, Module)
     functions = {node.name: get_docstring(node, clean=False) or "" for node in module.body if type(node) is FunctionDef}
     return {"": get_docstring(module, clean=False) or "", **functions}
 

@@ -104,6 +104,8 @@ def _found(program: AnalysedProgram) -> Iterator[Finding]:
 
 
 def _negated(program: AnalysedProgram, node: ast.UnaryOp) -> Iterator[Finding]:
+    if isinstance(node.operand, ast.Constant) and isinstance(node.operand.value, (int, float)):
+        return
     value = program.values.of(node.operand)
     is_number = (
         isinstance(node.op, (ast.Not, ast.Invert)) or not value.is_known or value.kinds & (NUMBER | OBJECT | NONE)
