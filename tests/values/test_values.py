@@ -21,7 +21,7 @@ NEWEST = profile()
 def described(text: str, firmware: Profile = NEWEST) -> Value:
     """What the last argument of the last `textmsg` is."""
     symbols = Symbols(parse(SourceFile("<test>", text)))
-    values = Values(symbols, (), firmware)
+    values = Values(symbols, profile=firmware)
     assert values.is_known
     calls = [call for scope in symbols.scopes for call in scope.calls if ast.unparse(call.func) == "textmsg"]
     last = max(calls, key=lambda call: (call.lineno, call.col_offset))

@@ -18,6 +18,7 @@ from elitescript.commands.definition.plausibility import (
     Doubt,
     mistaken,
 )
+from elitescript.commands.definition.quantities import Anything
 from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
@@ -185,7 +186,7 @@ class AnalysedProgram:
         # Short programs do without: everything is written where it is used.
         from elitescript.values.program import Values
 
-        return Values(self.symbols, self.presets, self.profile, self.stop_if_outdated, self._memory)
+        return Values(self.symbols, self.presets, self.stop_if_outdated, self._memory, self.profile)
 
     @cached_property
     def constants(self) -> Constants:
@@ -417,6 +418,8 @@ class AnalysedProgram:
                 # The program expects it.
                 continue
             for param, node in arguments.given:
+                if type(param.quantity) is Anything:
+                    continue
                 # A placeholder stands there in place of the author's text.
                 if mistakes:
                     span = self.span(node)

@@ -20,9 +20,9 @@ class Values:
     Args:
         symbols: of its text.
         presets: names of globals that have a value before the program begins.
-        profile: the firmware that it is for; the newest without.
         stop_if_outdated: called before each statement; what it raises ends the evaluation.
         memory: of the version before, from which it takes what has not changed; gets what is known of this one.
+        profile: the firmware that it is for; the newest without.
 
     Attributes:
         is_known: False if the program is nested too deep, or takes too long: then everything is unknown.
@@ -32,12 +32,12 @@ class Values:
         self,
         symbols: Symbols,
         presets: Collection[str] = (),
-        profile: Profile = PROFILES[DEFAULT_FIRMWARE],
         stop_if_outdated: Callable[[], object] = bool,
         memory: Memory | None = None,
+        profile: Profile = PROFILES[DEFAULT_FIRMWARE],
     ) -> None:
         self.symbols = symbols
-        self._evaluation = Evaluation(symbols, presets, profile, stop_if_outdated, memory)
+        self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory, profile)
         self.is_known = True
         try:
             try:
@@ -45,7 +45,7 @@ class Values:
             except StartAgain:
                 assert memory is not None
                 memory.forget()
-                self._evaluation = Evaluation(symbols, presets, profile, stop_if_outdated, memory)
+                self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory, profile)
                 self._evaluation.run()
         except (GivenUp, RecursionError):
             self.is_known = False

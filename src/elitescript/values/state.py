@@ -13,7 +13,7 @@ from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.options import LINE, SCRIPT, SECONDARY
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import THREAD_STARTER, Symbols
-from elitescript.messages.profile import Profile
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
 from elitescript.values.description import (
     BOTTOM,
     DICT,
@@ -74,9 +74,9 @@ class State:
     Args:
         symbols: of its text.
         presets: names of globals that have a value before the program begins.
-        profile: the firmware that it is for.
         stop_if_outdated: see `Values`.
         memory: what is known of the version before.
+        profile: the firmware that it is for.
 
     Attributes:
         values: what each expression is.
@@ -85,10 +85,10 @@ class State:
     def __init__(
         self,
         symbols: Symbols,
-        presets: Collection[str],
-        profile: Profile,
+        presets: Collection[str] = (),
         stop_if_outdated: Callable[[], object] = bool,
         memory: Memory | None = None,
+        profile: Profile = PROFILES[DEFAULT_FIRMWARE],
     ) -> None:
         self.symbols = symbols
         self.presets = presets

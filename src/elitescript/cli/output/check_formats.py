@@ -6,7 +6,6 @@ import os
 import re
 from pathlib import Path, PurePath
 from typing import Any, Final
-from urllib.parse import quote
 
 from elitescript import __version__
 from elitescript.cli.output.screen import palette_of, rendered
@@ -204,6 +203,8 @@ class SarifReport(CheckReport):
 
     def _artifact(self, checked: CheckedFile) -> dict[str, Any]:
         if checked.is_stream:
+            from urllib.parse import quote
+
             return {"uri": quote(checked.name.strip("<>"))}
         return artifact_location(from_root(checked.name, self._root))
 
@@ -257,6 +258,8 @@ def artifact_location(path: PurePath) -> dict[str, str]:
     """
     if path.is_absolute():
         return {"uri": path.as_uri()}
+    from urllib.parse import quote
+
     # Names are bytes, which need not be UTF-8. A colon in the first part would be read as a scheme.
     return {"uri": quote(os.fsencode(path.as_posix())), "uriBaseId": _ROOT}
 
