@@ -68,6 +68,19 @@ def test_what_comes_in_after_rows_acts_as_if_there_had_been_none() -> None:
         assert repr(ahead.snapshot()) == repr(plain.snapshot())
 
 
+def test_what_is_not_read_is_as_in_the_last_snapshot_that_had_it() -> None:
+    kernel = Kernel(READY)
+    kernel.tick_and_snapshot([program(*MOVES)])
+    for tick in (20, 60, 100):
+        kernel.tick((), tick)
+        shown = kernel.snapshot()
+        rows = list(kernel.rows(kernel.ticks_ahead(due_of(kernel), 3), TIME))
+        assert [row.snapshot.robot.tick for row in rows] == [tick + 1, tick + 2, tick + 3]
+        for row in rows:
+            assert row.snapshot.robot.q_actual == shown.robot.q_actual
+            assert row.snapshot.joint_torques == shown.joint_torques
+
+
 @pytest.mark.parametrize("plant", [PlantConfig(lag_s=0.03), PlantConfig(noise_rad=1e-4)])
 def test_an_arm_with_a_plant_gives_none(plant: PlantConfig) -> None:
     kernel = Kernel(RobotOptions(power_on=True, plant=plant))
