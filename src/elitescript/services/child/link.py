@@ -430,8 +430,8 @@ class ChildLink:
         """Return how many rows to ask for with the tick that is sent now.
 
         They are lost when something comes in; so there are more only while nothing does. The digests of a journal cover
-        every tick; a child that is late has more to do than ticks that are not there yet. Where there are none, as every
-        tick is due, looking for them would cost each tick something.
+        every tick; a child that is late has more to do than ticks that are not there yet. Where there are none, since
+        every tick is due, looking for them would cost each tick something.
         """
         if self._ahead and not self._behind(transport) and not transport.gave_rows:
             self._ahead, self._asks_from = 0, tick + AHEAD_TICKS
