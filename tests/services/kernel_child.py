@@ -28,6 +28,8 @@ class KernelChild:
         self.pid, self.log = 4711, ""
         self.sent: list[int] = []
         """Ticks that it was sent."""
+        self.asked_ahead: list[int] = []
+        """Those with which rows were asked for."""
         self.unread: list[tuple[str, bytes]] = []
         self._is_watched = True
         self._reader = FrameReader()
@@ -55,7 +57,10 @@ class KernelChild:
             self._ticks = TickAnswers(kernel)
             self.say(frames.DESCRIBED, to_text(shape_of(RobotDescription).encode(kernel.description)).encode())
         elif letter == frames.TICK:
-            self.sent.append(frames.read_tick(data)[0])
+            number, _, _, ahead, *_ = frames.read_tick(data)
+            self.sent.append(number)
+            if ahead:
+                self.asked_ahead.append(number)
             for message in self._reader.feed(b"".join(self._ticks.answers(data))):
                 self.say(*message)
 

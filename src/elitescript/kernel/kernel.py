@@ -119,7 +119,6 @@ class Kernel:
         "_ports",
         "_posted",
         "_requests",
-        "_rows",
         "_seen",
         "_snapshots",
         "_witness",
@@ -177,8 +176,6 @@ class Kernel:
         self._ports: dict[str, Connect] = {}
         self._handlers: InputHandlers | None = None
         self._snapshots: SnapshotBuilder | None = None
-        self._rows: SnapshotBuilder | None = None
-        """Of ticks that have not run."""
         self._requests: RequestChannels | None = None
         self._faulty: FaultyChannels | None = None
         self.controller = Controller(
@@ -429,20 +426,18 @@ class Kernel:
 
         Args:
             ticks: in rising order.
-            parts: of their snapshots that are computed; the others are older or newer.
+            parts: of their snapshots that are computed; the others are those of the last snapshot that had them.
         """
-        from elitescript.controller.views.snapshots import SnapshotBuilder
         from elitescript.messages.outputs import Output
 
         controller, handlers, present = self.controller, self.handlers, self.controller.tick
-        if self._rows is None:
-            # What the snapshots of ticks that run keep of the ones before must not come from later ticks.
-            self._rows = SnapshotBuilder(controller)
+        # What the snapshots of ticks that run keep of the ones before must not come from later ticks.
+        builder = self._snapshot_builder().copy()
         shown, popup, is_remote = handlers.tasks.shown, self.popup.text, handlers.is_remote
         try:
             for tick in ticks:
                 controller.leap(tick)
-                snapshot = self._rows.picture(shown, popup, is_remote=is_remote, parts=parts)
+                snapshot = builder.picture(shown, popup, is_remote=is_remote, parts=parts)
                 yield Output(tick, (), (), (), snapshot, parts)
         finally:
             controller.leap(present)

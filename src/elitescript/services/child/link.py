@@ -101,6 +101,7 @@ class ChildLink:
         "_ahead",
         "_alarm",
         "_answered",
+        "_asks_from",
         "_changed",
         "_compilers",
         "_description",
@@ -155,6 +156,8 @@ class ChildLink:
         self._spares = spares
         self._ahead = 0
         """How many rows were asked for last: the more, the longer nothing has been given to the robot."""
+        self._asks_from = 0
+        """Tick from which on rows are asked for again: there were none when they were asked for last."""
         self._is_hurried = False
         """Whether something urgent waits for the next tick."""
         self._urgent_since_s: float | None = None
@@ -311,7 +314,7 @@ class ChildLink:
                 if is_known:
                     transport.await_row(tick, parts)
                 else:
-                    ahead = 0 if outlet is None or asks_due else self._rows_to_ask(transport)
+                    ahead = 0 if outlet is None or asks_due else self._rows_to_ask(transport, tick)
                     self._kept.append(KeptTick(tick, parts, asks_due, ahead))
                     self._send_kept(transport)
         if outlet is not None:
@@ -423,15 +426,18 @@ class ChildLink:
             return False
         return transport.knows(tick, parts)
 
-    def _rows_to_ask(self, transport: ChildTransport) -> int:
+    def _rows_to_ask(self, transport: ChildTransport, tick: int) -> int:
         """Return how many rows to ask for with the tick that is sent now.
 
         They are lost when something comes in; so there are more only while nothing does. The digests of a journal cover
-        every tick; a child that is late has more to do than ticks that are not there yet.
+        every tick; a child that is late has more to do than ticks that are not there yet. Where there are none, since
+        every tick is due, looking for them would cost each tick something.
         """
+        if self._ahead and not self._behind(transport) and not transport.gave_rows:
+            self._ahead, self._asks_from = 0, tick + AHEAD_TICKS
         if self._pending or self._compilers.is_active or self._journal is not None:
             self._ahead = 0
-        elif self._behind(transport) or not self._supervision.answered:
+        elif self._behind(transport) or tick < self._asks_from or not self._supervision.answered:
             return 0
         else:
             self._ahead = min(2 * self._ahead + 1, AHEAD_TICKS)

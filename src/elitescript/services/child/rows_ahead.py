@@ -18,11 +18,12 @@ class RowsAhead:
     """Keeps the rows of one child until their tick.
 
     Attributes:
+        count: how many rows the last answer has announced.
         due: the next tick that is due, as the answer before the rows has said.
         parts: of the snapshots of the rows that come, as bits.
     """
 
-    __slots__ = ("_coming", "_until", "_waiting", "due", "parts")
+    __slots__ = ("_coming", "_until", "_waiting", "count", "due", "parts")
 
     def __init__(self) -> None:
         self._waiting: deque[Output] = deque()
@@ -30,6 +31,7 @@ class RowsAhead:
         """Ticks of the rows that are still to come, used or not."""
         self._until = -1
         """The last tick whose row is used."""
+        self.count = 0
         self.due = 0
         self.parts = 0
 
@@ -55,7 +57,7 @@ class RowsAhead:
             raise CodecError(f"the row of tick {self._coming[0]} is missing")
         self._coming = range(number + 1, number + 1 + count)
         self._until = number + count if is_newest else number
-        self.parts, self.due = parts | TIME, due
+        self.count, self.parts, self.due = count, parts | TIME, due
 
     def add(self, row: Output) -> bool:
         """Take a row that has come; return whether it is used.

@@ -244,6 +244,11 @@ class ChildTransport:
         """Return whether the child has given the output of a tick ahead, or will: it is not sent without inputs."""
         return self._rows.knows(number, parts) and not self.end_reason
 
+    @property
+    def gave_rows(self) -> bool:
+        """Whether rows ahead followed the last answer."""
+        return self._rows.count > 0
+
     def await_row(self, number: int, parts: int) -> None:
         """Take the row of a tick of `knows` as the tick's output: now, or when it comes."""
         sent = SentTick(number, (), parts, NO_INPUTS)
