@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from elitescript import VirtualRobot
 from elitescript.cli.main import main
 from elitescript.coverage.analysis import analyse, program_coverage
 from elitescript.coverage.cobertura import cobertura
@@ -16,6 +17,8 @@ from elitescript.coverage.lcov import lcov
 from elitescript.coverage.terminal import missing_text
 from elitescript.coverage.unmet import Unmet
 from elitescript.environment.program_file import source_of
+from elitescript.lint.engine import check_source
+from elitescript.pytest_plugin.strictness import _with_place
 
 XML = """<EliTask name="cell" robotType="CS66">
   <MainTask isTaskAlwaysLoops="false" hasInitVariables="false" typeName="Robot Main Task">
@@ -94,3 +97,10 @@ def test_sarif_names_the_node_and_the_line_of_the_file(cell: Path, capsys: pytes
     assert location["physicalLocation"]["region"] == {"startLine": 13}
     assert location["logicalLocations"] == [{"fullyQualifiedName": "1 Robot Main Task > 6 Set"}]
     assert result["message"]["text"].startswith("1 Robot Main Task > 6 Set (script line ")
+
+
+def test_findings_of_tests_name_the_node(cell: Path) -> None:
+    robot = VirtualRobot("CS66")
+    source = source_of(cell)
+    (found,) = [row for row in check_source(source, robot.profile, arm=robot.model) if row.is_error]
+    assert _with_place(found, source).startswith(f"{cell}: 1 Robot Main Task > 6 Set (script line ")

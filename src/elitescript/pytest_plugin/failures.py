@@ -62,7 +62,7 @@ def _about(watched: WatchedRun) -> str:
     events = watched.record.read()
 
     def at(tick: int, text: str, line: int = 0) -> str:
-        place = f"  ({source.line_words(line)})" if line else ""
+        place = f"  (line {line})" if line else ""
         return f"  {seconds(tick - start):9.3f} s  {continued(_short(text))}{place}"
 
     out = [f"{shown_word(source.name)} on {watched.model.name}: {_ending(watched, events)}"]
@@ -94,7 +94,7 @@ def _about(watched: WatchedRun) -> str:
     waiting = () if run is None else run.threads
     if waiting:
         out.append("threads:")
-        out += [f"  {shown_word(row.name)}: {source.line_words(row.line)}, {continued(row.doing)}" for row in waiting]
+        out += [f"  {shown_word(row.name)}: line {row.line}, {continued(row.doing)}" for row in waiting]
     return "\n".join(out)
 
 
