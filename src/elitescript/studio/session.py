@@ -202,8 +202,9 @@ class Session:
         return task.program.arm
 
     async def _check(self, version: int) -> None:
-        if (found := await self._services.problems(version)) is not None:
-            self._send(found)
+        for are_all in (False, True):
+            if (found := await self._services.problems(version, are_all=are_all)) is not None:
+                self._send(found)
 
     async def _answer(self, asked: Service) -> None:
         try:

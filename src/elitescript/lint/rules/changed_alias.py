@@ -30,7 +30,7 @@ from elitescript.values.results import LIST_ROLES
 _SIX = 6
 
 
-@rule(code="W263", since="0.3", needs_all_lines=True)
+@rule(code="W263", since="0.3", needs_all_lines=True, needs_values=True)
 def changed_alias(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first change of each such list."""
     symbols = program.symbols

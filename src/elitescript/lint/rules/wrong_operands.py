@@ -69,7 +69,7 @@ _ALLOWED: Final[dict[type[ast.AST], tuple[tuple[int, int], ...]]] = {
 _DIVIDING: Final = (ast.Div, ast.FloorDiv, ast.Mod)
 
 
-@rule(code="W264", since="0.3")
+@rule(code="W264", since="0.3", needs_values=True)
 def wrong_operands(program: AnalysedProgram) -> Iterator[Finding]:
     """Report operations that always fail; what stands in broken lines is not the author's."""
     broken = program.unread_lines
@@ -100,10 +100,13 @@ def _found(program: AnalysedProgram) -> Iterator[Finding]:
         if len(comparison.ops) == 1:
             yield from _operands(program, comparison, comparison.ops[0], comparison.left, comparison.comparators[0])
     for call in program.nodes(ast.Call):
-        yield from _steps(program, call)
+        if type(call.func) is ast.Name and call.func.id in ("range", "len"):
+            yield from _steps(program, call, call.func.id)
 
 
 def _negated(program: AnalysedProgram, node: ast.UnaryOp) -> Iterator[Finding]:
+    if type(node.operand) is ast.Constant and type(node.operand.value) in (int, float):
+        return
     value = program.values.of(node.operand)
     is_number = (
         isinstance(node.op, (ast.Not, ast.Invert)) or not value.is_known or value.kinds & (NUMBER | OBJECT | NONE)
@@ -201,13 +204,11 @@ def _advice(op: ast.AST, one: Value, other: Value) -> str:
     return "make a list of it: list(x)" if both & RANGE else ""
 
 
-def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
+def _steps(program: AnalysedProgram, call: ast.Call, name: str) -> Iterator[Finding]:
     """Yield arguments of `range` that are no whole numbers, and numbers that have no length."""
-    if not isinstance(call.func, ast.Name) or call.func.id not in ("range", "len"):
+    if program.symbols.scope_of(call).resolve(name) is not Resolution.BUILTIN:
         return
-    if program.symbols.scope_of(call).resolve(call.func.id) is not Resolution.BUILTIN:
-        return
-    if call.func.id == "len":
+    if name == "len":
         value = program.values.of(call.args[0]) if len(call.args) == 1 else None
         if value is not None and value.kinds and not value.kinds & ~(NUMBER | NONE) and not program.is_tried(call):
             yield Finding(
