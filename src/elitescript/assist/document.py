@@ -83,7 +83,7 @@ class Document:
         self.settings = settings or Settings()
         self.is_outdated = False
         self._pieces = Pieces()
-        self._memory: Memory | None = None
+        self._memory = Memory()
         self._of_twins = _OfTwins()
         self._found: dict[Callable[[Document], Any], Any] = {}
 
