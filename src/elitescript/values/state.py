@@ -148,6 +148,11 @@ class State:
         log.append(Entry(method, arguments, depth - self._base_depth, repeated, answer))
         return answer
 
+    def release(self) -> None:
+        """Let go of what functions know of each other."""
+        for function in self._functions.values():
+            function.result.readers.clear()
+
     def _circumstances(self) -> Any:
         """Return what all evaluations of the program depend on, besides its functions."""
         return (
