@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+pytest.importorskip("mcp", reason="needs the extra mcp")
+
 from elitescript.environment.task_files import source_of_task
 from elitescript.errors import UsageError
 from elitescript.mcp import runs

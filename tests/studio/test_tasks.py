@@ -9,10 +9,11 @@ from typing import Any
 import pytest
 
 from elitescript.conversation.messages import Save
+from elitescript.conversation.trees import with_task
 from elitescript.environment.task_files import opened_task
 from elitescript.errors import UsageError
 from elitescript.studio.files import Programs
-from elitescript.studio.live.engine import LiveEngine, _with_task
+from elitescript.studio.live.engine import LiveEngine
 from elitescript.studio.live.jobs import Job, job_data, job_of
 from elitescript.studio.live.running import run_program
 from elitescript.studio.memory import Memory
@@ -137,7 +138,7 @@ class TestRun:
     def test_what_is_known_of_the_tree_stands_before_what_check_finds(self, tmp_path: Path) -> None:
         task = opened_task(Cell(tmp_path).path)
         checked = {"type": "problems", "version": 3, "list": [{"code": "W201"}], "compiles": True}
-        found = _with_task(checked, task)
+        found = with_task(checked, task)
         assert [row["code"] for row in found["list"]] == ["N225", "W201"]
         assert found["compiles"] is True
 
@@ -145,7 +146,7 @@ class TestRun:
         cell = Cell(tmp_path)
         cell.path.write_text(NEVER_TAUGHT)
         task = opened_task(cell.path)
-        found = _with_task({"type": "problems", "version": 3, "list": [], "compiles": True, "start": {}}, task)
+        found = with_task({"type": "problems", "version": 3, "list": [], "compiles": True, "start": {}}, task)
         assert found["compiles"] is False
         assert "start" not in found
         (error,) = [row for row in found["list"] if row["severity"] == "error"]

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from elitescript.conversation import describe
 from elitescript.conversation.limits import cut_name, cut_text
+from elitescript.environment.task_files import OpenedTask
 from elitescript.program_tree import Generated, place_of
 from elitescript.program_tree.listing import kind_of, name_of, summary_of
 
@@ -44,3 +46,17 @@ def nodes(places: Sequence[str]) -> Message:
     known = {"": 0}
     lines = [known.setdefault(cut_name(place), len(known)) for place in places]
     return {"rows": [], "lines": lines, "places": list(known)}
+
+
+def with_task(message: Message, task: OpenedTask | None) -> Message:
+    """Return the findings of a script with what is known of the graphical program that it was generated from.
+
+    Args:
+        message: with the findings of the script.
+        task: the graphical program; None if it is none.
+    """
+    if task is None:
+        return message
+    found = describe.problems(message["version"], (*task.errors, *task.source.notes), compiles=not task.errors)
+    # Without a script that can run, what was found in it says nothing.
+    return found if task.errors else message | {"list": [*found["list"], *message["list"]]}

@@ -193,7 +193,7 @@ async def found_in_turn(session: Session, uri: str, document: Document) -> Async
     twin, last, before = session.twin(document), session.last_run(uri), session.last_findings.get(uri)
     try:
         quick = None
-        if not is_tree(document) and (before is None or before.rows is not document.source.lines):
+        if before is None or before.rows is not document.source.lines:
             quick = await session.in_thread(_found, session, uri, twin, last, before, False)
             if not is_open():
                 return
@@ -229,7 +229,7 @@ def _found(
     if is_tree(document):
         from elitescript.lsp import trees
 
-        return Found(trees.findings_of(session, document, SOURCE), (), True)
+        return Found(trees.findings_of(session, document, SOURCE, are_all=are_all), (), are_all)
     has_related = any(map(session.client.has, _RELATED))
     positions = session.positions(document)
     problems: Sequence[Problem] = diagnostics(document) if are_all else quick_diagnostics(document)

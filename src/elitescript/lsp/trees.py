@@ -91,13 +91,14 @@ def script_of(document: Document) -> Document:
 # ---------------------------------------------------------------- findings
 
 
-def findings_of(session: Session, document: Document, source: str) -> list[types.Diagnostic]:
+def findings_of(session: Session, document: Document, source: str, *, are_all: bool = True) -> list[types.Diagnostic]:
     """Return what is wrong with a graphical program, at the nodes in its file; slow.
 
     Args:
         session: of the client.
         document: the file.
         source: name of the tool beside each finding.
+        are_all: those of the script, too, which take longer.
     """
     positions = session.positions(document)
     try:
@@ -109,11 +110,11 @@ def findings_of(session: Session, document: Document, source: str) -> list[types
         types.Diagnostic(
             positions.range(span), text, severity=_SEVERITIES[found.severity], code=found.code, source=source
         )
-        for span, text, found in _located(document, places)
+        for span, text, found in _located(document, places, are_all=are_all)
     ]
 
 
-def _located(document: Document, places: TaskPlaces) -> Iterator[tuple[Span, str, Diagnostic]]:
+def _located(document: Document, places: TaskPlaces, *, are_all: bool) -> Iterator[tuple[Span, str, Diagnostic]]:
     """Yield findings with their place in the file and their text."""
     task = places.task
     if task.program is None:
@@ -121,7 +122,7 @@ def _located(document: Document, places: TaskPlaces) -> Iterator[tuple[Span, str
             yield Span(found.line, found.column, found.line, found.column + 1), found.text, found
         return
     known = [*task.errors, *task.source.notes]
-    if not task.errors:
+    if are_all and not task.errors:
         known += [problem.diagnostic for problem in diagnostics(script_of(document))]
     for found in known:
         row = places.row_of(found.line)

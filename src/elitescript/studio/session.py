@@ -15,6 +15,7 @@ from typing import Any, Final, Protocol
 from elitescript.conversation.describe import notice, refused
 from elitescript.conversation.fields import MessageError
 from elitescript.conversation.messages import Open, Program, Save, Service, Settings, ToSource, ask_of, read_message
+from elitescript.conversation.trees import with_task
 from elitescript.errors import UsageError
 from elitescript.models.datafile import check_name
 from elitescript.models.model import is_model_file, model_names
@@ -204,7 +205,7 @@ class Session:
     async def _check(self, version: int) -> None:
         for are_all in (False, True):
             if (found := await self._services.problems(version, are_all=are_all)) is not None:
-                self._send(found)
+                self._send(with_task(found, self._opened.task))
 
     async def _answer(self, asked: Service) -> None:
         try:

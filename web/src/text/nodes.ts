@@ -13,7 +13,7 @@ const KINDS: { readonly [english: string]: string } = {
 
 /** Words of what a node does; values stay as they are. */
 const WORDS: readonly (readonly [RegExp, string])[] = [
-  [/^for ever$/, "无限循环"], [/^once$/, "一次"], [/^(\d+) times$/, "$1 次"], [/^suppressed$/, "已停用"], [/^never taught$/, "未示教"],
+  [/^for ever$/, "无限循环"], [/^once$/, "一次"], [/^(\d+) times$/, "$1 次"], [/^suppressed$/, "已停用"], [/^variable$/, "变量"], [/^relative$/, "相对"], [/^never taught$/, "未示教"],
   [/^while (.*)$/, "当 $1"], [/^tested after a turn$/, "循环后检查"], [/^tested all the time$/, "持续检查"],
   [/^(.*) is high$/, "$1 为高"], [/^(.*) is low$/, "$1 为低"], [/^(.*) = high$/, "$1 = 高"], [/^(.*) = low$/, "$1 = 低"],
   [/^at most (.*)$/, "最多 $1"], [/^blend (.*)$/, "交融 $1"], [/^frame (.*)$/, "坐标系 $1"], [/^joints (.*)$/, "关节 $1"], [/^pose (.*)$/, "位姿 $1"],
@@ -28,5 +28,8 @@ export function kindOf(english: string): string {
 export function summaryOf(english: string): string {
   if (language.value !== "zh" || english === "") return english;
   // Values in brackets hold commas of their own.
-  return english.split(/, (?![^[]*\])/).map((part) => WORDS.reduce((known, [from, to]) => known.replace(from, to), part)).join("，");
+  const parts = english.split(/, (?![^[]*\])/);
+  const chinese = parts.map((part) => WORDS.reduce((known, [from, to]) => known.replace(from, to), part));
+  // What has no words of ours, such as a statement, stays as it is written.
+  return chinese.some((part, index) => part !== parts[index]) ? chinese.join("，") : english;
 }

@@ -28,6 +28,7 @@ from elitescript.conversation.messages import (
     Step,
     options_data,
 )
+from elitescript.conversation.trees import with_task
 from elitescript.environment.task_files import OpenedTask
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
@@ -372,7 +373,7 @@ class LiveEngine:
                     await self._send(_ended(new, "killed", stands_in[1]))
                     return
                 if what == "problems":
-                    message = _with_task(message, new.task)
+                    message = with_task(message, new.task)
                     await self._send(message)
                     if not message["compiles"]:
                         await self._say_stopped()
@@ -692,16 +693,6 @@ def _of_task(task: OpenedTask | None) -> dict[str, Any]:
         return {}
     tree = task.source.tree
     return {"places": task.source.places, "arm": task.source.arm, "unset": () if tree is None else tree.unset}
-
-
-def _with_task(message: Message, task: OpenedTask | None) -> Message:
-    """Return the findings of a script with what is known of the graphical program that it was generated from."""
-    if task is None:
-        return message
-    found = describe.problems(message["version"], (*task.errors, *task.source.notes), compiles=not task.errors)
-    if task.errors:
-        return found
-    return message | {"list": [*found["list"], *message["list"]]}
 
 
 def _ended(shown: _Shown, state: str, killed: str = "") -> Message:
