@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.plausibility import (
+    COMPARED,
     JUDGES,
     OF_ANGLES,
     TAKEN_FOR_EACH_OTHER,
@@ -449,7 +450,7 @@ class AnalysedProgram:
                 if node in refused:
                     continue
                 others: list[Doubt] = []
-                if not _is_written(node) or called.command.name in OF_ANGLES:
+                if param.quantity.unit in COMPARED and (not _is_written(node) or called.command.name in OF_ANGLES):
                     # Imported late: short programs do without values.
                     from elitescript.lint.quantity_doubts import quantity_doubts
 
