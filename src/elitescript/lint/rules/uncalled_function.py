@@ -43,6 +43,9 @@ def uncalled_function(program: AnalysedProgram) -> Iterator[Finding]:
         return
     if any(name in scope.reads for scope in symbols.scopes for name in _FOREIGN):
         return
+    # A name that nothing defines may be meant for it: that is told there.
+    if any(use.is_call for use in program.unknown):
+        return
     for scope in functions:
         node, parent = scope.node, scope.parent
         if (
@@ -52,7 +55,11 @@ def uncalled_function(program: AnalysedProgram) -> Iterator[Finding]:
             or not isinstance(node, ast.FunctionDef)
         ):
             continue
-        if node.decorator_list or symbols.reads_of(scope.name, parent.home(scope.name)):
+        if (
+            node.decorator_list
+            or len(parent.bindings[scope.name]) > 1
+            or symbols.reads_of(scope.name, parent.home(scope.name))
+        ):
             continue
         is_endless = any(isinstance(part, ast.While) for part in node.body)
         hint = "call it, or remove it"
