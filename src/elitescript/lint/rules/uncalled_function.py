@@ -23,12 +23,15 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
 
 _FOREIGN: Final = frozenset(("eval", "exec", "globals", "interpreter_mode", "locals", "vars"))
 """Names by which other texts may reach a function."""
+_OTHERS: Final = ("_", *GENERATED_PREFIXES)
+"""Names of functions that are kept for later, and of those that the pendant writes."""
 _OF_TESTS: Final = ("test_", "mock_")
 
 
@@ -51,7 +54,7 @@ def uncalled_function(program: AnalysedProgram) -> Iterator[Finding]:
         if (
             parent is None
             or parent.kind == "class"
-            or scope.name.startswith("_")
+            or scope.name.startswith(_OTHERS)
             or not isinstance(node, ast.FunctionDef)
         ):
             continue
