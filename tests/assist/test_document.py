@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.assist.document import Document
-from elitescript.language.diagnostics import Edit
+from elitescript.language.diagnostics import Edit, Outdated
 
 TEXTS = ("", "a", "a\n", "a\r\nbé\r\n", "a\rb\r", "\ufeffa\n😀b", "\r\n\n\r", "a\n\rb", "\ufeff")
 
@@ -62,3 +62,17 @@ def test_what_a_function_finds_is_kept() -> None:
 
     assert (document.once(find), document.once(find)) == (1, 1)
     assert Document("c", "x = 1\n").once(find) == 2
+
+
+@pytest.mark.parametrize("step", ["translation", "parsed", "program"])
+def test_findings_of_an_older_version_are_given_up_before_the_next_step(step):
+    steps = ["translation", "parsed", "program"]
+    document = Document("a.script", "def p():\n  x = nonsense\nend\n")
+    for before in steps[: steps.index(step)]:
+        getattr(document, before)
+    document.is_outdated = True
+    with pytest.raises(Outdated):
+        _ = document.quick_problems
+    assert step not in document.__dict__
+    document.is_outdated = False
+    assert [found.code for found in document.quick_problems] == ["W201"]

@@ -14,6 +14,8 @@ from typing import Any, Final
 
 Record = dict[str, Any]
 
+LONG_LINES: Final = 1000
+"""Lines of a text of which what needs no values of expressions is told first, and all in a second message."""
 EVENTS_MAX: Final = 50_000
 """Events of one run."""
 BYTES_MAX: Final = 8 << 20

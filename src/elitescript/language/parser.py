@@ -220,8 +220,10 @@ class _TextReader:
         self.translation = translation
         self.options = options
         self.problems = problems
-        # Places of nodes that are shared must not be moved.
-        self.pieces = pieces if translation.positions.is_identity and not translation.marks else None
+        self.pieces: Pieces | None = None
+        if translation.positions.is_identity:
+            # Nodes that are shared must not be changed.
+            self.pieces = Pieces() if pieces is None or translation.marks else pieces
         self.complete = True
         self.hidden: dict[int, int] = {}
         self.blamed: set[int] | None = None

@@ -23,6 +23,7 @@ from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
 from elitescript.language.advice.unknown_names import KNOWN, advice
+from elitescript.language.diagnostics import Outdated
 from elitescript.language.nodes import Census
 from elitescript.language.options import SCRIPT, SECONDARY
 from elitescript.language.parser import Parsed
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from elitescript.errors import ScriptError
     from elitescript.lint.list_uses import ListUses
     from elitescript.lint.passed_values import PassedCall, PassedValues
+    from elitescript.values.memory import Memory
     from elitescript.values.program import Values
 
 _SIX: Final = 6
@@ -124,6 +126,7 @@ class AnalysedProgram:
         is_strict: what only this implementation accepts is an error.
         presets: names that have a value before the program begins.
         arm: the arm that it is for; None if that is not known.
+        is_outdated: returns whether the text has changed meanwhile, in a program that is written.
         symbols: scopes and names.
         census: all nodes of the tree.
     """
@@ -136,6 +139,8 @@ class AnalysedProgram:
         is_strict: bool = False,
         presets: Collection[str] = (),
         arm: ArmFacts | None = None,
+        is_outdated: Callable[[], bool] = bool,
+        memory: Memory | None = None,
     ) -> None:
         self.parsed = parsed
         self.source = parsed.source
@@ -143,10 +148,30 @@ class AnalysedProgram:
         self.is_strict = is_strict
         self.presets = presets
         self.arm = arm
+        self.is_outdated = is_outdated
+        self._memory = memory
         self.symbols = Symbols(parsed)
         self.census = Census(parsed.tree)
         self._derived: dict[Any, Any] = {}
         self._hidden: dict[tuple[str, Scope], bool] = {}
+        self._fitting_lists: set[tuple[int, int | None] | None] = set()
+        """Parameters, by identity, and lengths of lists that they accept; None if the length is not known."""
+
+    def release(self) -> None:
+        """Let go of all that is known of the text, which takes as much memory as its tree; it is of no use then.
+
+        What was computed of a program knows the program, so without this it would stay until the collector comes.
+        """
+        self.__dict__.clear()
+
+    def stop_if_outdated(self) -> None:
+        """Do nothing while the text is the newest one.
+
+        Raises:
+            Outdated: it is not.
+        """
+        if self.is_outdated():
+            raise Outdated
 
     @cached_property
     def values(self) -> Values:
@@ -154,7 +179,7 @@ class AnalysedProgram:
         # Short programs do without: everything is written where it is used.
         from elitescript.values.program import Values
 
-        return Values(self.symbols, self.presets)
+        return Values(self.symbols, self.presets, self.stop_if_outdated, self._memory)
 
     @cached_property
     def constants(self) -> Constants:
@@ -314,11 +339,18 @@ class AnalysedProgram:
         """The calls of commands that the firmware has."""
         calls = []
         for scope in self.symbols.scopes:
+            known: dict[str, Command | None] = {}
             for call in scope.calls:
-                if isinstance(call.func, ast.Name):
-                    command = self.command(call.func.id, scope)
-                    if command is not None and self.is_available(command):
-                        calls.append(CommandCall(command, call, scope))
+                function = call.func
+                if type(function) is not ast.Name:
+                    continue
+                name = function.id
+                if name not in known:
+                    command = self.command(name, scope)
+                    known[name] = command if command is not None and self.is_available(command) else None
+                command = known[name]
+                if command is not None:
+                    calls.append(CommandCall(command, call, scope))
         return tuple(calls)
 
     @cached_property
@@ -371,6 +403,8 @@ class AnalysedProgram:
         """The arguments that commands will certainly refuse."""
         mistakes = sorted((problem.line, problem.column) for problem in self.parsed.diagnostics if problem.is_error)
         found = []
+        # Programs give the same numbers again and again.
+        accepted: set[tuple[int, type, Any]] = set()
         for called, arguments in self.judged_calls:
             if called.written is not called.call and self.is_tried(called.written):
                 # The program expects it.
@@ -382,8 +416,18 @@ class AnalysedProgram:
                     place = bisect_left(mistakes, span[:2])
                     if place < len(mistakes) and mistakes[place] < span[2:]:
                         continue
-                value = self.constants.value(node, called.scope)
-                error = refuse(param, value) or self._refused_kind(param, node, value)
+                if type(node) is ast.Constant:
+                    literal = (id(param), type(node.value), node.value)
+                    if literal in accepted:
+                        continue
+                    value = self.constants.value(node, called.scope)
+                    error = refuse(param, value) or self._refused_kind(param, node, value)
+                    if error is None:
+                        accepted.add(literal)
+                        continue
+                else:
+                    value = self.constants.value(node, called.scope)
+                    error = refuse(param, value) or self._refused_kind(param, node, value)
                 if error is not None and not self._is_joined(node):
                     found.append(ArgumentRefusal(called.command, param, node, error))
         return tuple(found)
@@ -400,7 +444,18 @@ class AnalysedProgram:
         """Return the error that a parameter raises for every value that an expression can have."""
         if not isinstance(value, Unknown):
             return None
-        return refuse_description(param, self.values.of(node), ast.unparse(node))
+        described = self.values.of(node)
+        if not described.is_known or described.has_constant:
+            return None
+        items = described.items
+        # Of a list with other elements than constants its length alone can be wrong.
+        fitting = (id(param), None if items is None else len(items)) if described.is_list else None
+        if fitting in self._fitting_lists:
+            return None
+        error = refuse_description(param, described, ast.unparse(node))
+        if error is None and fitting is not None:
+            self._fitting_lists.add(fitting)
+        return error
 
     def _is_joined(self, node: ast.expr) -> bool:
         """Return whether a value is one of `joined_lists`: one cause is one finding."""
@@ -441,8 +496,15 @@ class AnalysedProgram:
         """The arguments that commands accept, but that are hardly meant; see `commands.definition.plausibility`."""
         refused = {refusal.node for refusal in self.refusals}
         found: list[Doubted] = []
+        accepted: set[tuple[int, type, Any]] = set()
         for called, arguments in self.judged_calls:
             for param, node in arguments.given:
+                literal = None
+                if type(node) is ast.Constant:
+                    # Programs give the same numbers again and again.
+                    literal = (id(param), type(node.value), node.value)
+                    if literal in accepted:
+                        continue
                 meaning = param.quantity.meaning
                 is_transform = not meaning and param.quantity.unit == _POSE_UNIT
                 if is_transform:
@@ -457,6 +519,8 @@ class AnalysedProgram:
                     others += quantity_doubts(self.values, called.command, param, node)
                 if not meaning:
                     found += [self._doubted(called, param, node, doubt) for doubt in others]
+                    if literal is not None and not others:
+                        accepted.add(literal)
                     continue
                 value = self.constants.bounds(node, called.scope)
                 # Programs also compute with transforms in other units, but not with those of the arm.
@@ -465,6 +529,8 @@ class AnalysedProgram:
                 if meaning in TAKEN_FOR_EACH_OTHER and not isinstance(node, (ast.List, ast.Tuple)):
                     other = mistaken(meaning, self.values.of(node).role)
                     reported += [] if other is None else [other]
+                if literal is not None and is_judged and not reported and not others:
+                    accepted.add(literal)
                 found += [self._doubted(called, param, node, doubt) for doubt in (*reported, *others)]
         return tuple(found)
 

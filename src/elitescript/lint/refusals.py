@@ -53,12 +53,15 @@ class ArgumentRefusal(NamedTuple):
         return self.error.hint or self.command.hint_about(value)
 
 
+_IS_OPEN: Final = frozenset((Unknown, list, tuple))
+
+
 def refuse(param: Param, value: Any) -> ScriptError | None:
     """Return the error that a parameter raises for a value; None if it accepts it, or if that is not certain."""
     if isinstance(value, Unknown):
         return None
     quantity = param.quantity
-    if isinstance(value, (list, tuple)) and any(isinstance(item, (Unknown, list, tuple)) for item in value):
+    if isinstance(value, (list, tuple)) and not _IS_OPEN.isdisjoint(map(type, value)):
         filled = _filled(quantity, value)
         if filled is None:
             return None

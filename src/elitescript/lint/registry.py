@@ -54,6 +54,7 @@ class Rule(NamedTuple):
     check: Check
     instead_of: tuple[str, ...]
     needs_all_lines: bool
+    needs_values: bool
 
     @property
     def explanation(self) -> str:
@@ -65,7 +66,12 @@ _RULES: Final[dict[str, Rule]] = {}
 
 
 def rule(
-    *, code: str, since: str, instead_of: tuple[str, ...] = (), needs_all_lines: bool = False
+    *,
+    code: str,
+    since: str,
+    instead_of: tuple[str, ...] = (),
+    needs_all_lines: bool = False,
+    needs_values: bool = False,
 ) -> Callable[[Check], Check]:
     """Register the decorated function as a rule.
 
@@ -74,12 +80,13 @@ def rule(
         since: release of elitescript that brought it.
         instead_of: codes that are less specific; their findings at the same place are dropped.
         needs_all_lines: skip it if a line could not be read, as that line may hold what it misses.
+        needs_values: it may ask for `AnalysedProgram.values`, which take longer than all that is found without them.
     """
 
     def register(check: Check) -> Check:
         if code in _RULES or code not in CODES:
             raise InternalError(f"{check.__module__}: {code} is another rule's, or no code")
-        _RULES[code] = Rule(code, since, check, instead_of, needs_all_lines)
+        _RULES[code] = Rule(code, since, check, instead_of, needs_all_lines, needs_values)
         return check
 
     return register
@@ -194,6 +201,11 @@ def rules_for(text: str) -> list[Rule]:
 def loaded_rules() -> Iterable[Rule]:
     """Return the rules that any text has needed by now."""
     return _RULES.values()
+
+
+def codes_of_values() -> frozenset[str]:
+    """Return the codes of the rules, of those that any text has needed by now, that need the values of expressions."""
+    return frozenset(rule.code for rule in _RULES.values() if rule.needs_values)
 
 
 def all_rules() -> list[Rule]:

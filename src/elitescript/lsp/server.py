@@ -164,6 +164,7 @@ class Server(Session):
         self.texts.close(uri)
         self.tokens.forget(uri)
         self.runs.forget(uri)
+        self.last_findings.pop(uri, None)
         self._findings.closed(uri)
 
     # ---------------------------------------------------------------- folders and settings
@@ -210,6 +211,7 @@ class Server(Session):
         """Show what is wrong with new settings, and look at the texts again if it matters to them."""
         self.say(list(dict.fromkeys(wrong)))
         if self.texts.renew():
+            self.last_findings.clear()
             self._findings.renew()
         self.runs.settings_changed()
 

@@ -34,6 +34,7 @@ from elitescript.assist.typing_edits import typing_edits
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.page import record
 from elitescript.conversation import describe
+from elitescript.conversation.limits import LONG_LINES
 from elitescript.errors import UsageError
 from elitescript.kernel.options import DEFAULTS
 from elitescript.language.diagnostics import Diagnostic, Edit
@@ -128,12 +129,20 @@ class Desk:
             raise UsageError(f"the text has changed: it is version {self._document.version}, not {version}")
         return plain(_SERVICES[service](self, place))
 
-    def problems(self, version: int) -> dict[str, Any] | None:
-        """Return the message with what `check` finds; None if the text is another one by now."""
+    def problems(self, version: int, *, are_all: bool = True) -> dict[str, Any] | None:
+        """Return the message with what `check` finds; None if the text is another one by now.
+
+        Args:
+            version: of the text.
+            are_all: False for what is found first, without values of expressions, of a long text: None if it is short
+                or nothing is found.
+        """
         document = self._document
-        if version != document.version:
+        if version != document.version or not (are_all or document.line_count > LONG_LINES):
             return None
-        found = document.problems
+        found = document.problems if are_all else document.quick_problems
+        if not (found or are_all):
+            return None
         return describe.problems(version, found, compiles=not any(problem.keeps_from_starting for problem in found))
 
     # ---------------------------------------------------------------- of the text
@@ -289,9 +298,9 @@ class EditorServices:
         """
         return await asyncio.wrap_future(self._thread.submit(self._desk.answer, service, version, place))
 
-    async def problems(self, version: int) -> dict[str, Any] | None:
-        """Return the message with what `check` finds; None if the text is another one by now."""
-        return await asyncio.wrap_future(self._thread.submit(self._desk.problems, version))
+    async def problems(self, version: int, *, are_all: bool = True) -> dict[str, Any] | None:
+        """Return the message with what `check` finds; None if there is none. See `Desk.problems`."""
+        return await asyncio.wrap_future(self._thread.submit(self._desk.problems, version, are_all=are_all))
 
     def close(self) -> None:
         """End the thread, when it has answered what it is at; what waits is dropped."""

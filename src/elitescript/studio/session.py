@@ -186,8 +186,9 @@ class Session:
             await self._source.take(replace(message, options=located))
 
     async def _check(self, version: int) -> None:
-        if (found := await self._services.problems(version)) is not None:
-            self._send(found)
+        for are_all in (False, True):
+            if (found := await self._services.problems(version, are_all=are_all)) is not None:
+                self._send(found)
 
     async def _answer(self, asked: Service) -> None:
         try:

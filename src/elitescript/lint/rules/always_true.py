@@ -23,7 +23,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W241", since="0.3")
+@rule(code="W241", since="0.3", needs_values=True)
 def always_true(program: AnalysedProgram) -> Iterator[Finding]:
     """Report conditions that are no question."""
     kinds = (ast.If, ast.While, ast.IfExp, ast.BoolOp, ast.Compare)

@@ -31,7 +31,7 @@ from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
 
 
-@rule(code="W257", since="0.3", needs_all_lines=True)
+@rule(code="W257", since="0.3", needs_all_lines=True, needs_values=True)
 def assigned_in_one_branch(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first such reading of each variable."""
     symbols = program.symbols

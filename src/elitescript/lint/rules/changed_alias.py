@@ -43,7 +43,7 @@ _READS_MAX = 16
 """Uses of a list that are looked at behind a change."""
 
 
-@rule(code="W263", since="0.3", needs_all_lines=True)
+@rule(code="W263", since="0.3", needs_all_lines=True, needs_values=True)
 def changed_alias(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first change of each such list."""
     changes = program.derived(ListChanges)

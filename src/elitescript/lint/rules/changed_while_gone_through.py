@@ -30,7 +30,7 @@ _MOVING: Final = frozenset(("append", "clear", "extend", "insert", "pop", "remov
 _SHORTENING: Final = frozenset(("clear", "pop", "remove"))
 
 
-@rule(code="W225", since="0.3")
+@rule(code="W225", since="0.3", needs_values=True)
 def changed_while_gone_through(program: AnalysedProgram) -> Iterator[Finding]:
     """Report elements that are added and removed there, where the loop goes on behind it."""
     if not program.nodes(ast.For):

@@ -41,7 +41,7 @@ _WAITING: Final = frozenset(("sleep", "sync", "textmsg", "get_steptime", "print"
 """What a loop calls that only waits."""
 
 
-@rule(code="W259", since="0.3", instead_of=("W204",), needs_all_lines=True)
+@rule(code="W259", since="0.3", instead_of=("W204",), needs_all_lines=True, needs_values=True)
 def endless_wait(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such loop."""
     if any(name in scope.reads for scope in program.symbols.scopes for name in _FOREIGN):

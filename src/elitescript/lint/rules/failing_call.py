@@ -31,7 +31,7 @@ _MATH: Final = frozenset(("acos", "asin", "log", "log10", "log2", "sqrt"))
 _LONGEST: Final = 200
 
 
-@rule(code="W278", since="0.3")
+@rule(code="W278", since="0.3", needs_values=True)
 def failing_call(program: AnalysedProgram) -> Iterator[Finding]:
     """Report calls of functions that depend on their arguments alone, with constants that they refuse."""
     refused: set[ast.expr] | None = None

@@ -26,7 +26,7 @@ from elitescript.said import said
 from elitescript.values.description import BYTES, INT, LIST, RANGE, TEXT, TUPLE
 
 
-@rule(code="W265", since="0.3")
+@rule(code="W265", since="0.3", needs_values=True)
 def index_out_of_range(program: AnalysedProgram) -> Iterator[Finding]:
     """Report indices and unpackings of lists whose length is certain."""
     written = _are_counts_written(program)

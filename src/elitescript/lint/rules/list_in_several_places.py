@@ -30,7 +30,7 @@ from elitescript.said import said
 from elitescript.values.description import INT
 
 
-@rule(code="W224", since="0.3", needs_all_lines=True)
+@rule(code="W224", since="0.3", needs_all_lines=True, needs_values=True)
 def list_in_several_places(program: AnalysedProgram) -> Iterator[Finding]:
     """Report rows that are one list, one list that a loop adds again and again, and defaults that are changed."""
     changes = program.derived(ListChanges)

@@ -23,7 +23,7 @@ from elitescript.values.description import NUMBER
 _REGISTERS: Final = {"modbus_set_output_register": "register_value", "write_port_register": "value"}
 
 
-@rule(code="N287", since="0.3")
+@rule(code="N287", since="0.3", needs_values=True)
 def negative_in_register(program: AnalysedProgram) -> Iterator[Finding]:
     """Report numbers below 0 in registers of 16 bits, which hold 0 to 65535."""
     for command, param in _REGISTERS.items():

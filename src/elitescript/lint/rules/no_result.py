@@ -22,7 +22,7 @@ from elitescript.said import said
 from elitescript.values.description import NONE
 
 
-@rule(code="W277", since="0.3")
+@rule(code="W277", since="0.3", needs_values=True)
 def no_result(program: AnalysedProgram) -> Iterator[Finding]:
     """Report variables that get the result of such a method or command, and are used."""
     for node in program.nodes(ast.Assign):

@@ -31,7 +31,7 @@ _HOLDS: Final = {
 """Least and greatest number, and bits, by command and parameter."""
 
 
-@rule(code="W268", since="0.3")
+@rule(code="W268", since="0.3", needs_values=True)
 def number_too_large(program: AnalysedProgram) -> Iterator[Finding]:
     """Report numbers that are certainly outside."""
     for (command, param), (low, high, bits) in _HOLDS.items():

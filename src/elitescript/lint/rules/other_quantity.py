@@ -20,7 +20,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
-@rule(code="W239", since="0.3")
+@rule(code="W239", since="0.3", needs_values=True)
 def other_quantity(program: AnalysedProgram) -> Iterator[Finding]:
     """Report counts, lengths and angles in each other's place."""
     return doubt_findings(program, "W239")

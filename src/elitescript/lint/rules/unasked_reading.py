@@ -45,7 +45,7 @@ Variable = tuple[str, Scope | None]
 Carrier = Variable | ast.Call
 
 
-@rule(code="W262", since="0.3", needs_all_lines=True)
+@rule(code="W262", since="0.3", needs_all_lines=True, needs_values=True)
 def unasked_reading(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first use of each such reading."""
     readings = [found for found in program.derived(CalledCommands).of(*_READERS) if found.call.lineno]

@@ -27,7 +27,7 @@ from elitescript.said import Said, said
 _OPERATIONS = (ast.BoolOp, ast.BinOp, ast.Compare, ast.UnaryOp, ast.If, ast.While, ast.IfExp, ast.Assert)
 
 
-@rule(code="W215", since="0.1")
+@rule(code="W215", since="0.1", needs_values=True)
 def uncalled_command(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the name of a command or function where only its call can be meant."""
     yield from _commands(program)
@@ -72,10 +72,8 @@ def _commands(program: AnalysedProgram) -> Iterator[Finding]:
 
 def _functions(program: AnalysedProgram) -> Iterator[Finding]:
     """Yield names of functions of the program, and of Python's own ones, as statements and conditions."""
-    for node in program.nodes(ast.Name):
-        parent = program.symbols.parent(node)
-        is_statement = isinstance(parent, ast.Expr)
-        if not is_statement and not _is_condition(node, parent):
+    for node in _judged(program):
+        if not isinstance(node, ast.Name):
             continue
         scope = program.symbols.scope_of(node)
         functions = _only_functions(node.id, scope, program)
@@ -112,6 +110,18 @@ def _is_condition(node: ast.expr, parent: ast.AST | None) -> bool:
     if isinstance(parent, (ast.If, ast.While, ast.IfExp, ast.Assert)):
         return parent.test is node
     return isinstance(parent, ast.UnaryOp) and isinstance(parent.op, ast.Not)
+
+
+def _judged(program: AnalysedProgram) -> Iterator[ast.expr]:
+    """Yield statements that are expressions, and conditions."""
+    for statement in program.nodes(ast.Expr):
+        yield statement.value
+    for kind in (ast.If, ast.While, ast.IfExp, ast.Assert):
+        for asked in program.nodes(kind):
+            yield asked.test  # type: ignore[attr-defined]
+    for sign in program.nodes(ast.UnaryOp):
+        if isinstance(sign.op, ast.Not):
+            yield sign.operand
 
 
 def _only_functions(name: str, scope: Scope, program: AnalysedProgram) -> list[ast.FunctionDef]:

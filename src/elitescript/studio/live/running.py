@@ -16,11 +16,12 @@ from elitescript.controller.controller import Controller
 from elitescript.controller.views.trace import TraceSpan
 from elitescript.conversation import describe
 from elitescript.conversation.describe import Moment
-from elitescript.conversation.limits import PLACES_MAX, EventBudget
+from elitescript.conversation.limits import LONG_LINES, PLACES_MAX, EventBudget
 from elitescript.conversation.messages import RunOptions
 from elitescript.conversation.rows import RowWriter
 from elitescript.errors import ElitescriptError
 from elitescript.language.compiler import CompiledUnit
+from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.idle import holds_nothing
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
@@ -81,7 +82,20 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
         link.send(describe.problems(version, (), compiles=True, start=moment_now(robot)))
         return
     options = Options(strict=robot.options.strict, ignored=robot.options.ignored)
-    checked = compile_checked(source, robot.profile, options, presets=job.presets, arm=robot.model)
+
+    def report_first(found: tuple[Diagnostic, ...]) -> None:
+        if found:
+            starts = not any(problem.keeps_from_starting for problem in found)
+            link.send(describe.problems(version, found, compiles=starts))
+
+    checked = compile_checked(
+        source,
+        robot.profile,
+        options,
+        presets=job.presets,
+        arm=robot.model,
+        report_first=report_first if len(source.lines) > LONG_LINES else None,
+    )
     link.send(describe.problems(version, checked.problems, compiles=not checked.is_refused))
     if checked.unit is None or checked.is_refused:
         return
