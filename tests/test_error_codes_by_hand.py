@@ -99,6 +99,7 @@ N222   note      thread that the end of the program ends
 N223   note      output behind a blended move
 N224   note      path that stops at each of its points
 N226   note      sleep that is very long
+N228   note      function that nothing calls
 E301   error     unknown command
 E302   error     command of a newer firmware
 E303   error     wrong number or names of arguments

@@ -145,6 +145,7 @@ _ROWS: Final = (
     Code("N225", "note", "what is missing beside a graphical program"),
     Code("N226", "note", "sleep that is very long"),
     Code("N227", "note", "branch of a graphical program in which nothing stands"),
+    Code("N228", "note", "function that nothing calls"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),

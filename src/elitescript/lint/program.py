@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.plausibility import (
+    COMPARED,
     JUDGES,
     OF_ANGLES,
     TAKEN_FOR_EACH_OTHER,
@@ -522,15 +523,15 @@ class AnalysedProgram:
                 if node in refused:
                     continue
                 others: list[Doubt] = []
-                if not _is_written(node) or called.command.name in OF_ANGLES:
+                if param.quantity.unit in COMPARED and (not _is_written(node) or called.command.name in OF_ANGLES):
                     # Imported late: short programs do without values.
                     from elitescript.lint.quantity_doubts import quantity_doubts
 
                     others += quantity_doubts(self.values, called.command, param, node)
                 if not meaning:
+                    found += [self._doubted(called, param, node, doubt) for doubt in others]
                     if literal is not None and not others:
                         accepted.add(literal)
-                    found += [self._doubted(called, param, node, doubt) for doubt in others]
                     continue
                 value = self.constants.bounds(node, called.scope)
                 # Programs also compute with transforms in other units, but not with those of the arm.

@@ -165,6 +165,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "no_result": _NOTHING,
     "other_quantity": ("socket_read_", "tcp_pose", "joint_positions", "_kin("),
     "power_sign": ("^",),
+    "uncalled_function": (" def ", "\tdef "),
     "unfilled_text": ("%", "{"),
     "assigned_in_one_branch": ("if", "for", "while", "try", "match"),
     "changed_alias": _CHANGES,

@@ -335,6 +335,10 @@ JUDGES: Final[dict[str, Judge]] = {
 }
 """Functions that judge values, by meaning of the quantity."""
 
+COMPARED: Final = frozenset(
+    ("m", "rad", "deg", "m/s", "rad/s", "m/s^2", "rad/s^2", "s", "N", "kg", "m, rad", "m/s, rad/s")
+)
+"""Units of parameters whose values are compared with what they are."""
 OF_ANGLES: Final = frozenset(("sin", "cos", "tan"))
 """Commands whose argument may be any angle in a run, but hardly one that is written in degrees."""
 

@@ -106,6 +106,12 @@ def _finding(program: AnalysedProgram, node: ast.Name | ast.Attribute, kind: str
     )
 
 
+def _is_condition(node: ast.expr, parent: ast.AST | None) -> bool:
+    if isinstance(parent, (ast.If, ast.While, ast.IfExp, ast.Assert)):
+        return parent.test is node
+    return isinstance(parent, ast.UnaryOp) and isinstance(parent.op, ast.Not)
+
+
 def _judged(program: AnalysedProgram) -> Iterator[ast.expr]:
     """Yield statements that are expressions, and conditions."""
     for statement in program.nodes(ast.Expr):
@@ -116,12 +122,6 @@ def _judged(program: AnalysedProgram) -> Iterator[ast.expr]:
     for sign in program.nodes(ast.UnaryOp):
         if isinstance(sign.op, ast.Not):
             yield sign.operand
-
-
-def _is_condition(node: ast.expr, parent: ast.AST | None) -> bool:
-    if isinstance(parent, (ast.If, ast.While, ast.IfExp, ast.Assert)):
-        return parent.test is node
-    return isinstance(parent, ast.UnaryOp) and isinstance(parent.op, ast.Not)
 
 
 def _only_functions(name: str, scope: Scope, program: AnalysedProgram) -> list[ast.FunctionDef]:

@@ -24,7 +24,7 @@ from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
 
 
-@rule(code="W219", since="0.2")
+@rule(code="W219", since="0.2", needs_values=True)
 def unused_result(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such statement."""
     if program.parsed.options.kind == LINE:

@@ -110,15 +110,21 @@ def _found(program: AnalysedProgram) -> Iterator[Finding]:
         if len(comparison.ops) == 1:
             yield from _operands(program, comparison, comparison.ops[0], comparison.left, comparison.comparators[0])
     for call in program.nodes(ast.Call):
-        if type(call.func) is ast.Attribute or (type(call.func) is ast.Name and call.func.id in _CONVERTING):
-            yield from _steps(program, call)
+        func = call.func
+        if type(func) is ast.Name:
+            if func.id in _COUNTING or func.id in _CONVERTING:
+                yield from _steps(program, call, func.id)
+        elif isinstance(func, ast.Attribute) and func.attr == "join":
+            yield from _joined(program, call, func)
     if not any(isinstance(call.func, ast.Name) and call.func.id == "hasattr" for call in program.nodes(ast.Call)):
         for owned in program.nodes(ast.Attribute):
             if owned.attr not in _OF_PYTHON2:
                 yield from _missing(program, owned)
 
 
-_CONVERTING: Final = frozenset(("range", "len", "float", "int", "sum"))
+_COUNTING: Final = ("range", "len")
+_CONVERTING: Final = ("float", "int", "sum")
+
 _TYPES: Final[dict[int, type]] = {
     BOOL: bool,
     INT: int,
@@ -289,18 +295,14 @@ def _advice(op: ast.AST, one: Value, other: Value) -> str:
     return "make a list of it: list(x)" if both & RANGE else ""
 
 
-def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
-    """Yield arguments of `range`, `len`, `float`, `int`, `sum` and `join` that these do not take."""
-    if isinstance(call.func, ast.Attribute) and call.func.attr == "join":
-        yield from _joined(program, call, call.func)
-    if not isinstance(call.func, ast.Name) or call.func.id not in _CONVERTING:
+def _steps(program: AnalysedProgram, call: ast.Call, name: str) -> Iterator[Finding]:
+    """Yield arguments of `range`, `len`, `float`, `int` and `sum` that these do not take."""
+    if program.symbols.scope_of(call).resolve(name) is not Resolution.BUILTIN:
         return
-    if program.symbols.scope_of(call).resolve(call.func.id) is not Resolution.BUILTIN:
+    if name in _CONVERTING:
+        yield from _converted(program, call, name)
         return
-    if call.func.id in ("float", "int", "sum"):
-        yield from _converted(program, call, call.func.id)
-        return
-    if call.func.id == "len":
+    if name == "len":
         value = program.values.of(call.args[0]) if len(call.args) == 1 else None
         if value is not None and value.kinds and not value.kinds & ~(NUMBER | NONE) and not program.is_tried(call):
             yield Finding(
