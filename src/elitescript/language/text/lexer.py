@@ -185,6 +185,14 @@ def _plain_line() -> re.Pattern[str]:
     return re.compile(rf"{inside}\n")
 
 
+LONG_TEXT: Final = 8000
+"""Characters of a text from which on plain lines are read at once."""
+
+
+def _no_plain_line(text: str, position: int) -> None:
+    """Find no plain line: each is read sign by sign, with the same result."""
+
+
 @cache
 def _blank() -> re.Pattern[str]:
     return re.compile(r"[ \t\f]*")
@@ -202,7 +210,9 @@ class TextScanner:
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self.plain: Callable[[str, int], re.Match[str] | None] = _plain_line().match
+        # Making the pattern takes as long as reading a text of that length without it.
+        is_long = len(text) >= LONG_TEXT
+        self.plain: Callable[[str, int], re.Match[str] | None] = _plain_line().match if is_long else _no_plain_line
         self.rescans = 0
         self.blank = _blank().match
         self.search = structure_pattern().search
