@@ -246,6 +246,16 @@ def test_what_is_found_in_an_older_version_is_given_up(bare, monkeypatch):
     assert [needs for count, needs in seen if count].count(True) == 1
 
 
+def test_a_change_that_changes_nothing_gives_nothing_up(bare, gate):
+    bare.initialize()
+    bare.open(IN_TURN)
+    assert pushed(bare)["version"] == 1
+    bare.change(version=1)
+    gate.set()
+    while codes_of(pushed(bare)) != [("E304", 1), ("W201", 2)]:
+        pass
+
+
 @pytest.mark.parametrize("refreshes", [True, False])
 def test_a_client_that_asks_gets_the_rest_when_it_can_be_told_to_ask_again(bare, gate, refreshes):
     bare.initialize({"textDocument": {"diagnostic": {}}, "workspace": {"diagnostics": {"refreshSupport": refreshes}}})

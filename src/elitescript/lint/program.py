@@ -154,6 +154,13 @@ class AnalysedProgram:
 
         What was computed of a program knows the program, so without this it would stay until the collector comes.
         """
+        if "values" in self.__dict__:
+            self.values.release()
+        for scope in self.symbols.scopes:
+            scope.children.clear()
+            scope.reads.clear()
+            scope.bindings.clear()
+            scope.calls.clear()
         self.__dict__.clear()
 
     def stop_if_outdated(self) -> None:

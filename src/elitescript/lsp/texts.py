@@ -58,7 +58,7 @@ class Texts:
     def _put(self, uri: str, document: Document) -> None:
         before = self.open.get(uri)
         self.open[uri] = document
-        if before is not None:
+        if before is not None and before is not document:
             self.replaced(before)
 
     def change(self, uri: str, version: int, changes: Iterable[Any], encoding: str) -> Document | None:
