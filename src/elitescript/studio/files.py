@@ -190,8 +190,8 @@ def read_any(path: Path, task_dir: Path) -> Found:
     task = opened_task(path, task_dir, data)
     text = task.source.text
     if task.program is None and len(text) > FILE_BYTES_MAX:
-        (error,) = task.errors
-        raise UsageError(f"{path}:{error.line}:{error.column}: {error.text}")
+        (problem,) = task.errors
+        raise UsageError(f"{path}:{problem.line}:{problem.column}: {problem.text}")
     if len(text) > FILE_BYTES_MAX:
         raise UsageError(f"{path}: its script has {len(text)} characters; the studio shows up to {FILE_BYTES_MAX}")
     return Found(text, digest_of(data + b"\0" + text.encode("utf-8", "surrogatepass")), task)
