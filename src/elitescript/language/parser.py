@@ -158,7 +158,7 @@ def syntax_tree(text: str) -> ast.Module:
     """Call Python's parser without its warnings on standard error."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        tree = compile(text, NO_FILE, "exec", ast.PyCF_ONLY_AST, dont_inherit=True)
+        tree = compile(text, NO_FILE, "exec", ast.PyCF_ONLY_AST, dont_inherit=True, optimize=0)
     assert isinstance(tree, ast.Module)
     return tree
 
