@@ -22,6 +22,7 @@ MODULES = (
     "kinematics",
     "motion",
     "ticks",
+    "trees",
     "serving",
     "devices",
     "choices",
@@ -37,15 +38,17 @@ MODULES = (
     "observed",
     "metered",
 )
-LONG = ("growth",)
-"""Measured only by name: it takes ten minutes."""
+LONG = ("growth", "rules")
+"""Measured only by name: each takes ten minutes."""
 KNOWN = MODULES + LONG
 
 
 def main(arguments: list[str]) -> int:
     """Print the table of the named modules, or of all."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Print a table of measured times.")
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(KNOWN)}; all but growth if none")
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help=f"one of {', '.join(KNOWN)}; all but growth and rules if none"
+    )
     parser.add_argument("--against", type=Path, metavar="CHECKOUT", help="measure the package of this working copy too")
     parser.add_argument("--rounds", type=int, default=5, help="how often each of the two is measured (default: 5)")
     parser.add_argument(

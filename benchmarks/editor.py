@@ -2,19 +2,24 @@
 
 Each request is measured twice: right behind a change in the middle of the text, when nothing is known of it yet, and
 again. Findings are pushed, as to a client that does not ask for them, and are out of the way before the next request.
+`typing` measures findings of 5,000 lines, from the last key to the message of what needs no values and to that of all.
 """
 
 from __future__ import annotations
 
 import os
 from statistics import quantiles
-from time import perf_counter
+from time import perf_counter, sleep
 from typing import Any
 
+from benchmarks.checking import text_of
 from benchmarks.framed import FramedProcess
 from benchmarks.table import Row, Time, timed_row
 
 LINES = 2000
+LONG = 5000
+KEYS = 12
+"""Keys that are typed, and how many in a second."""
 ROUNDS = int(os.environ.get("EDITOR_ROUNDS", "20"))
 SESSIONS = int(os.environ.get("EDITOR_SESSIONS", "1000"))
 URI = "file:///cell.script"
@@ -139,7 +144,53 @@ def rows() -> list[Row]:
         table += _sessions(editor)
     finally:
         editor.close()
+    return [*table, *typing()]
+
+
+def typing() -> list[Row]:
+    """Type in long texts, one key and many, and wait for the findings."""
+    table = []
+    texts = {"functions": program(LONG), "one body": text_of("mixed statements", LONG)}
+    for name, text in texts.items():
+        editor = Editor()
+        rows = text.split("\n")
+        # Only the values of expressions show that this line is wrong.
+        rows.insert(CHANGED_LINE, '  sleep("long" + "er")')
+        try:
+            editor.open("\n".join(rows))
+            editor.until(_has_all)
+            version = 1
+            for keys in (1, KEYS):
+                firsts, wholes = [], []
+                for _ in range(ROUNDS // 2):
+                    version, first, whole = _typed(editor, version, keys)
+                    firsts.append(first)
+                    wholes.append(whole)
+                what = f"{LONG} lines, {name}, last of {keys} key{'s' if keys > 1 else ''} to findings"
+                table += [_row(f"{what} without values", firsts), _row(f"{what}, all", wholes)]
+        finally:
+            editor.close()
     return table
+
+
+def _has_all(message: dict[str, Any], version: int = 1) -> bool:
+    params = message.get("params", {})
+    return params.get("version") == version and any(found["code"] == "E304" for found in params["diagnostics"])
+
+
+def _typed(editor: Editor, version: int, keys: int) -> tuple[int, Time, Time]:
+    """Type so many keys; return the last version, and the times from it to the first message and to that of all."""
+    for key in range(keys):
+        if key:
+            sleep(1 / KEYS)
+        version += 1
+        began, cpu_s = perf_counter(), editor.cpu_s()
+        editor.change(version)
+    message = editor.until(lambda message: message.get("params", {}).get("version") == version)
+    first = Time(perf_counter() - began, editor.cpu_s() - cpu_s)
+    if not _has_all(message, version):
+        editor.until(lambda message: _has_all(message, version))
+    return version, first, Time(perf_counter() - began, editor.cpu_s() - cpu_s)
 
 
 def _first_findings(editor: Editor) -> Time:

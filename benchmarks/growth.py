@@ -113,6 +113,24 @@ def held(what: str, before_mb: float) -> Figure:
     return Figure(f"memory after {what}", amount=(resident_mb() - before_mb) * 1e3)
 
 
+def peaked(what: str, step: Callable[[], object]) -> Iterator[Figure]:
+    """Do it, and return what it took, and by how much more memory it has held at most; Linux tells that."""
+    status = Path("/proc/self/status")
+    gc.collect()
+    before_kb = 0.0
+    if status.exists():
+        # The most that was held begins anew.
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+        before_kb = _kb(status, "VmHWM:")
+    yield done(what, step)
+    yield Figure(f"peak memory of {what}", amount=_kb(status, "VmHWM:") - before_kb if status.exists() else 0.0)
+
+
+def _kb(status: Path, name: str) -> float:
+    lines = status.read_text(encoding="ascii").splitlines()
+    return next(float(line.split()[1]) for line in lines if line.startswith(name))
+
+
 def begin(robot: VirtualRobot, program: str | CompiledUnit) -> None:
     """Begin a program, and leave the robot in the middle of it."""
     robot.start(program)
@@ -189,8 +207,7 @@ def checks(lines: int) -> Iterator[Figure]:
         check_source(SourceFile("short.script", text_of(kind, 20)), profile())
     for kind in KINDS:
         source = SourceFile("long.script", text_of(kind, lines))
-        gc.collect()
-        yield done(f"check of {kind}", lambda source=source: check_source(source, profile()))  # type: ignore[misc]
+        yield from peaked(f"check of {kind}", lambda source=source: check_source(source, profile()))  # type: ignore[misc]
 
 
 STRAIGHT: dict[str, str] = {
@@ -209,8 +226,19 @@ STRAIGHT: dict[str, str] = {
     ),
     "long list": "    [0.{k}, -1.4, -1.7, -1.6, 1.57, 0],\n",
     "long text": '    "{n} {k}"\n',
+    "point file": "0.{k} -1.4 -1.7 -1.6 1.57 0\n",
 }
-"""Lines of programs that are run to their end; those of the last two are in one list, in one text."""
+"""Lines of programs that are run to their end; the last three are of one list, one text, and a file
+that a program of a few lines goes through."""
+POINTS = "points.txt"
+POINT_READER = """
+def job():
+  for row in open("points.txt"):
+    q = [float(part) for part in row.split()]
+    set_standard_digital_out(0, q[0] > 0.3)
+  end
+end
+"""
 
 
 def straight_text(kind: str, lines: int) -> str:
@@ -222,6 +250,8 @@ def straight_text(kind: str, lines: int) -> str:
         body = f"  points = [\n{body}  ]\n  for q in points:\n    set_standard_digital_out(0, q[0] > 0.3)\n  end\n"
     elif kind == "long text":
         body = f"  words = (\n{body}  )\n  textmsg(len(words))\n"
+    elif kind == "point file":
+        return body
     return f"def job():\n{body}end\n"
 
 
@@ -231,14 +261,17 @@ def straight(lines: int) -> Iterator[Figure]:
     from elitescript.language.compiler import compile_task
     from elitescript.language.text.source import SourceFile
 
-    robot = VirtualRobot()
+    robot = VirtualRobot(task_dir={POINTS: straight_text("point file", lines).encode()})
+    programs = {kind: POINT_READER if kind == "point file" else straight_text(kind, lines) for kind in STRAIGHT}
     for kind in STRAIGHT:
         # What is loaded and computed once does not count.
-        robot.run(straight_text(kind, 20)).check()
-    for kind in STRAIGHT:
-        unit = compile_task(SourceFile("straight.script", straight_text(kind, lines)))
-        gc.collect()
-        yield done(f"run of {kind}", lambda unit=unit: robot.run(unit).check())  # type: ignore[misc]
+        VirtualRobot(task_dir={POINTS: b""}).run(POINT_READER).check()
+        robot.run(straight_text(kind, 20) if kind != "point file" else SMALL).check()
+    for kind, program in programs.items():
+        source = SourceFile("straight.script", program)
+        units: list[CompiledUnit] = []
+        yield from peaked(f"compile {kind}", lambda source=source, units=units: units.append(compile_task(source)))  # type: ignore[misc]
+        yield from peaked(f"run of {kind}", lambda units=units: robot.run(units.pop()).check())  # type: ignore[misc]
 
 
 def worlds(devices: int) -> Iterator[Figure]:

@@ -9,7 +9,7 @@ import tempfile
 import tracemalloc
 from pathlib import Path
 
-from benchmarks.measure import ROOT, environment, middle, process_times, time_of
+from benchmarks.measure import ROOT, best_of_calls, environment, middle, process_times, time_of
 from benchmarks.table import Row, Time, timed_row
 
 RUNS = 10
@@ -26,6 +26,16 @@ def tracking():
 end
 """
 """One minute of nothing but going along with a belt that creeps."""
+EVENT_HOURS = 8
+TWO_MOVES = """
+def two_moves():
+  while True:
+    movej([0.4, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+    movej([-0.4, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+    sleep(1)
+  end
+end
+"""
 POLLING_S = 20.0
 POLLING = """
 def polling():
@@ -44,6 +54,14 @@ def polling():
 end
 """
 """A thread that does something in every tick, beside a main thread that waits or moves."""
+LOOPED = """
+def job():
+  movej([0.3, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+  set_standard_digital_out(0, True)
+  sleep(8.5)
+  textmsg("the arm is at ", get_actual_tcp_pose())
+end
+"""
 _SLEEPING = f"  sleep({POLLING_S})"
 _MOVING = """
   for i in range(5):
@@ -64,8 +82,36 @@ def _start_rows() -> list[Row]:
     ]
 
 
-def _free_run_rows() -> list[Row]:
+def _loop_rows() -> list[Row]:
+    """Runs of one text on new robots, as tests and loops make them: compiled once, and compiled each time."""
     from elitescript import VirtualRobot
+    from elitescript.language import compiler
+    from elitescript.language.kept_units import KeptUnits
+
+    def compiled_each_time() -> None:
+        compiler.KEPT = KeptUnits(0)
+        VirtualRobot("CS66").run(LOOPED)
+
+    def run() -> None:
+        VirtualRobot("CS66").run(LOOPED)
+
+    kept = compiler.KEPT
+    try:
+        each = best_of_calls(compiled_each_time)
+    finally:
+        compiler.KEPT = kept
+    return [
+        timed_row(
+            "a run of 10 s on a new robot, the same text again",
+            best_of_calls(run),
+            other=each.cpu_s,
+            beside="compiled each time",
+        )
+    ]
+
+
+def _free_run_rows() -> list[Row]:
+    from elitescript import PlantConfig, VirtualRobot
 
     rows = []
     for what, program, has_trace in (
@@ -73,11 +119,12 @@ def _free_run_rows() -> list[Row]:
         ("the same with a trace row every 4 ms", PICK_AND_PLACE, True),
         ("picking from a moving belt", BELT_PICKING, False),
         ("one minute on a moving belt", TRACKING, False),
+        ("pick and place with a lag of the joints", PICK_AND_PLACE, False),
     ):
         times = []
         simulated_s = 0.0
         for _ in range(RUNS):
-            robot = VirtualRobot("CS66")
+            robot = VirtualRobot("CS66", plant=PlantConfig(lag_s=0.03) if "lag" in what else None)
             robot.signals["encoder_speed[0]"] = BELT_COUNTS_PER_S
             times.append(time_of(lambda: robot.run(program, trace=has_trace).check()))  # noqa: B023
             simulated_s = robot.time_s
@@ -133,8 +180,25 @@ def _trace_memory_rows() -> list[Row]:
     VirtualRobot("CS66").run(PICK_AND_PLACE, trace=True)
     (with_rows, count), (without, _) = kept_by_a_run(has_trace=True), kept_by_a_run(has_trace=False)
     row = (with_rows - without) / count
-    numbers = 8 * 19
-    return [Row("memory of a trace row", words=f"{row:.0f} B", beside=f"{numbers} B (its nineteen numbers)")]
+    numbers = 8 * 13
+    return [
+        Row("memory of a trace row", words=f"{row:.0f} B", beside=f"{numbers} B (its time, six joints and speeds)"),
+        Row("memory of an hour of trace rows", "MiB", value=row * 900_000 / 2**20),
+        _event_memory_row(),
+    ]
+
+
+def _event_memory_row() -> Row:
+    """What the events of an hour of two moves and a pause take, from eight hours of them."""
+    from elitescript import VirtualRobot
+
+    tracemalloc.start()
+    run = VirtualRobot("CS66").run(TWO_MOVES, until_s=EVENT_HOURS * 3600.0)
+    gc.collect()
+    kept = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    words = f"{len(run.record.raw())} kept, {run.events_dropped} gone, in {EVENT_HOURS} h"
+    return Row("memory of the events of an hour", "MiB", value=kept / 2**20 / EVENT_HOURS, words=words)
 
 
 def _day_rows() -> list[Row]:
@@ -153,4 +217,4 @@ def _day_rows() -> list[Row]:
 
 def rows() -> list[Row]:
     """Starts, programs and days."""
-    return _start_rows() + _free_run_rows() + _trace_memory_rows() + _polling_rows() + _day_rows()
+    return _start_rows() + _loop_rows() + _free_run_rows() + _trace_memory_rows() + _polling_rows() + _day_rows()

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from elitescript.assist.completion import Completion, ItemKind, completions, plain_text, resolved
+from elitescript.assist.completion import Completion, ItemKind, completions, fitting_completions, plain_text, resolved
 from elitescript.assist.describing import example, sample
 from elitescript.assist.document import Document, Settings
 from elitescript.commands.catalogue import CATALOGUE
@@ -206,6 +206,51 @@ TABLE: list[tuple[str, str, str]] = [
 
 def labels(text: str, settings: Settings | None = None) -> dict[str, Completion]:
     return {item.label: item for item in completions(*marked(text, settings))}
+
+
+def fitting(text: str) -> tuple[list[str], bool]:
+    found = fitting_completions(*marked(text))
+    return [item.label for item in found.items], found.is_all
+
+
+@pytest.mark.parametrize(
+    ("written", "found", "left_out"),
+    [
+        ("movej", ["movej", "movejoint"], ["movel", "textmsg", "if"]),
+        ("MOVEJ", ["movej"], ["movel"]),
+        (
+            "digital_out",
+            ["set_standard_digital_out", "get_standard_digital_out"],
+            ["textmsg", "get_standard_digital_in"],
+        ),
+        ("gstd", ["get_standard_digital_in"], ["movej"]),
+        ("movejo", ["movejoint"], ["movej"]),
+    ],
+)
+def test_what_fits_what_is_written(written, found, left_out):
+    labels, is_all = fitting(f"def p():\n  movejoint = 1\n  {written}¦\nend\n")
+    assert set(found) <= set(labels)
+    assert not set(left_out) & set(labels)
+    assert not is_all
+
+
+def test_nothing_fits_what_no_name_has():
+    assert fitting("def p():\n  qqzzqq¦\nend\n") == ([], False)
+
+
+def test_all_that_can_stand_there_fits_nothing():
+    assert fitting("def p():\n  ¦\nend\n") == (
+        [item.label for item in completions(*marked("def p():\n  ¦\nend\n"))],
+        True,
+    )
+
+
+def test_what_fits_in_a_string_is_what_begins_as_its_whole_text():
+    opened = '  socket_open("1.2.3.4", 1, "left side")\n  socket_open("1.2.3.4", 1, "right side")\n'
+    text = f'def p():\n{opened}  socket_send_string("x", "{{}}¦")\nend\n'
+    assert "right side" not in fitting(text.format("left s"))[0]
+    assert "left side" in fitting(text.format("left s"))[0]
+    assert {"left side", "right side"} <= set(fitting(text.format(""))[0])
 
 
 @pytest.mark.parametrize(("text", "offered", "missing"), TABLE)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import gc
+from weakref import ref
+
 import pytest
 
 from elitescript.assist.document import Document
-from elitescript.language.diagnostics import Edit
+from elitescript.language.diagnostics import Edit, Outdated
 
 TEXTS = ("", "a", "a\n", "a\r\nbé\r\n", "a\rb\r", "\ufeffa\n😀b", "\r\n\n\r", "a\n\rb", "\ufeff")
 
@@ -62,3 +65,30 @@ def test_what_a_function_finds_is_kept() -> None:
 
     assert (document.once(find), document.once(find)) == (1, 1)
     assert Document("c", "x = 1\n").once(find) == 2
+
+
+@pytest.mark.parametrize("step", ["translation", "parsed", "program"])
+def test_findings_of_an_older_version_are_given_up_before_the_next_step(step):
+    steps = ["translation", "parsed", "program"]
+    document = Document("a.script", "def p():\n  x = nonsense\nend\n")
+    for before in steps[: steps.index(step)]:
+        getattr(document, before)
+    document.is_outdated = True
+    with pytest.raises(Outdated):
+        _ = document.quick_problems
+    assert step not in document.__dict__
+    document.is_outdated = False
+    assert [found.code for found in document.quick_problems] == ["W201"]
+
+
+def test_what_was_found_can_be_let_go_and_found_again():
+    document = Document("a.script", "def p():\n  def f(x):\n    return x\n  end\n  y = f(1) + nonsense\nend\n")
+    found = document.problems, [found.span for found in document.names.occurrences]
+    seen = ref(document.program.symbols)
+    gc.disable()
+    try:
+        document.release()
+        assert seen() is None
+    finally:
+        gc.enable()
+    assert (document.problems, [found.span for found in document.names.occurrences]) == found

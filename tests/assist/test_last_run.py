@@ -40,7 +40,7 @@ end
 )
 def test_lines_that_are_the_same(ran, now, lines):
     same = LastRun(ran).same_lines(now.split("\n"))
-    assert [same.ran(line + 1) for line in range(len(now.split("\n")))] == lines
+    assert [same.earlier(line + 1) for line in range(len(now.split("\n")))] == lines
 
 
 def test_the_warning_about_a_radius_is_read_back():

@@ -54,6 +54,9 @@ def completion(client):
     client.change({"range": span(6, 2, 6, 12), "text": "movej(q"})
     labels = {item["label"] for item in client.result("textDocument/completion", at(6, 2))["items"]}
     assert {"movej", "pick"} <= labels
+    written = client.result("textDocument/completion", at(6, 5))
+    labels = {item["label"] for item in written["items"]}
+    assert ("movej" in labels, "textmsg" in labels, written["isIncomplete"]) == (True, False, True)
 
 
 def resolve(client):

@@ -38,7 +38,7 @@ from elitescript.language.text.lexer import MARKS, NAME, is_in_word
 from elitescript.language.text.masked import operand_before
 from elitescript.lint.program import Span
 from elitescript.messages.profile import PROFILES, release_of
-from elitescript.records import record, replace
+from elitescript.records import NamedTuple, record, replace
 from elitescript.values.references import ModuleType, OwnClass
 
 
@@ -123,12 +123,60 @@ _BLOCK_WORDS: Final = ("class", "def", "for", "if", "match", "try", "while", "wi
 _LOOPS: Final = ("for", "while")
 
 
+class Fitting(NamedTuple):
+    """What can stand at a place and fits what is written of it.
+
+    Attributes:
+        items: the offers, the most likely first.
+        is_all: nothing else can stand there, whatever is written.
+    """
+
+    items: tuple[Completion, ...]
+    is_all: bool
+
+
 def completions(document: Document, line: int, column: int) -> tuple[Completion, ...]:
     """Return what can stand at a place, the most likely first. Never raises."""
+    return _sorted(document, Cursor(document, line, column), lambda name: True)
+
+
+def fitting_completions(document: Document, line: int, column: int) -> Fitting:
+    """Return those of `completions` that fit what is written in front of the place. Never raises.
+
+    A name fits if a word of it begins so: `digital_out` and `STANDARD` fit `set_standard_digital_out`. If there is none
+    those fit that have the same characters in their order.
+    """
     cursor = Cursor(document, line, column)
+    row = document.line(cursor.line)
+    found: tuple[Completion, ...] = ()
+    for fits in (_begins_so, _has_all_of) if cursor.typed else (_always,):
+        # Long lists are of names that replace the word at the place, but texts in strings replace more.
+        items = _sorted(document, cursor, lambda name, fits=fits: fits(name, cursor.typed))  # type: ignore[misc]
+        found = tuple(item for item in items if fits(item.label, row[item.span.column - 1 : cursor.column - 1]))
+        if found:
+            break
+    return Fitting(found, not cursor.typed)
+
+
+def _always(name: str, written: str) -> bool:
+    return True
+
+
+def _begins_so(name: str, written: str) -> bool:
+    """Return whether a word of a name begins with what is written, in small letters or capitals."""
+    return re.search(rf"(?:^|[\W_]){re.escape(written)}", name, re.IGNORECASE) is not None
+
+
+def _has_all_of(name: str, written: str) -> bool:
+    """Return whether a name has the characters that are written, in their order."""
+    left = iter(name.lower())
+    return all(character in left for character in written.lower())
+
+
+def _sorted(document: Document, cursor: Cursor, fits: Callable[[str], bool]) -> tuple[Completion, ...]:
     if cursor.is_in_comment:
         return ()
-    found = _Offers(document, cursor).offers()
+    found = _Offers(document, cursor, fits).offers()
     return tuple(sorted({item.label: item for item in reversed(list(found))}.values(), key=lambda item: item.sort))
 
 
@@ -140,15 +188,20 @@ def resolved(item: Completion) -> Completion:
 
 
 class _Offers:
-    """What is offered at one place."""
+    """What is offered at one place; of long lists, what fits."""
 
-    def __init__(self, document: Document, cursor: Cursor) -> None:
+    def __init__(self, document: Document, cursor: Cursor, fits: Callable[[str], bool]) -> None:
         self.document = document
+        self.fits = fits
         self.cursor = cursor
         self.span = cursor.word_span
         self.scope = scope_at(document, cursor.line, cursor.column)
-        self.facts = document.once(NameFacts)
         self.is_called = cursor.text[cursor.word[1] : cursor.word[1] + 1] == "("
+
+    @property
+    def facts(self) -> NameFacts:
+        """What is known of names, which takes the values of all expressions."""
+        return self.document.once(NameFacts)
 
     def offers(self) -> Iterator[Completion]:
         cursor = self.cursor
@@ -200,7 +253,7 @@ class _Offers:
     def _own_names(self) -> Iterator[Completion]:
         wanted = self._wanted()
         for own in visible_names(self.document, self.scope):
-            if not self._is_only_here(own):
+            if self.fits(own.name) and not self._is_only_here(own):
                 fit = NO_FIT if wanted is None else fit_of(self.facts.description(own), wanted, self.facts.kind(own))
                 rank = _OWN if fit == NO_FIT else f"{_EXPECTED}{fit}"
                 yield self._own(own, f"{rank}{min(own.distance, 9)}{own.name}")
@@ -242,7 +295,7 @@ class _Offers:
         profile = self.document.settings.profile
         is_secondary = self.document.parsed.kind == "secondary"
         for name in CATALOGUE.names():
-            command = CATALOGUE.get(name)
+            command = CATALOGUE.get(name) if self.fits(name) else None
             if command is None or self.scope.resolve(name) is not Resolution.BUILTIN:
                 continue
             is_missing = release_of(command.since) > profile.release
@@ -266,7 +319,7 @@ class _Offers:
 
     def _python_names(self) -> Iterator[Completion]:
         for name in _BUILTINS:
-            if self.scope.resolve(name) is Resolution.BUILTIN:
+            if self.fits(name) and self.scope.resolve(name) is Resolution.BUILTIN:
                 found = getattr(builtins, name, None)
                 is_class = isinstance(found, type) and issubclass(found, BaseException)
                 kind = ItemKind.CLASS if is_class else ItemKind.FUNCTION

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from enum import StrEnum
 from typing import Final
 
 from elitescript.assist.document import Document
+from elitescript.assist.same_lines import same_lines
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.lint.program import Span
-from elitescript.records import NamedTuple, record
+from elitescript.lint.registry import codes_of_values
+from elitescript.records import NamedTuple, record, replace
 
 RULES_PAGE: Final = "https://github.com/elitescript/elitescript/blob/main/docs/reference/rules.md"
 """Page with what `check --explain` prints of each code. The public address of the repository is assumed."""
@@ -62,15 +64,47 @@ class Problem:
 
 
 def diagnostics(document: Document) -> tuple[Problem, ...]:
-    """Return the findings of a text, in its order: the same as those of `check`. Never raises."""
-    return tuple(
-        Problem(
-            found,
-            (TAGS[found.code],) if found.code in TAGS else (),
-            tuple(_related(document, found)),
-            f"{RULES_PAGE}#{found.code.lower()}",
-        )
-        for found in document.problems
+    """Return the findings of a text, in its order: the same as those of `check`.
+
+    Raises:
+        Outdated: there is a next version.
+    """
+    return tuple(_shown(document, found) for found in document.problems)
+
+
+def quick_diagnostics(document: Document) -> tuple[Problem, ...]:
+    """Return those of the findings of a text that need no values of expressions, in its order.
+
+    Raises:
+        Outdated: there is a next version.
+    """
+    return tuple(_shown(document, found) for found in document.quick_problems)
+
+
+def kept(earlier: Sequence[str], findings: Iterable[Diagnostic], document: Document) -> tuple[Problem, ...]:
+    """Return the findings of an earlier version that took values of expressions, of lines that have not changed since.
+
+    Args:
+        earlier: the lines of that version.
+        findings: what was found in it.
+        document: the text now, whose values are not known yet.
+    """
+    codes = codes_of_values()
+    same = same_lines(earlier, document.source.lines)
+    found = []
+    for finding in findings:
+        line, end_line = same.now(finding.line), same.now(finding.end_line)
+        if finding.code in codes and line and end_line - line == finding.end_line - finding.line:
+            found.append(replace(finding, line=line, end_line=end_line, fix=None))
+    return tuple(_shown(document, finding) for finding in found)
+
+
+def _shown(document: Document, found: Diagnostic) -> Problem:
+    return Problem(
+        found,
+        (TAGS[found.code],) if found.code in TAGS else (),
+        tuple(_related(document, found)),
+        f"{RULES_PAGE}#{found.code.lower()}",
     )
 
 

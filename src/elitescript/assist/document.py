@@ -10,11 +10,11 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from itertools import accumulate
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from elitescript.assist.names import Names
 from elitescript.commands.definition.plausibility import ArmFacts
-from elitescript.language.diagnostics import Diagnostic, Edit
+from elitescript.language.diagnostics import Diagnostic, Edit, Outdated
 from elitescript.language.garbage import without_collection
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse, translated
@@ -22,12 +22,16 @@ from elitescript.language.symbols import Symbols
 from elitescript.language.text.dialect import Translation
 from elitescript.language.text.pieces import Pieces
 from elitescript.language.text.source import BOM, SourceFile
-from elitescript.lint.engine import problems_of
+from elitescript.lint.engine import WrittenProgram
 from elitescript.lint.program import AnalysedProgram
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
 from elitescript.records import field, record
+from elitescript.values.memory import Memory
 
 _Found = TypeVar("_Found")
+
+_FOUND: Final = ("translation", "parsed", "program", "names", "_written", "quick_problems", "problems")
+"""What is kept of a document once it was found."""
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
@@ -52,6 +56,16 @@ class Settings:
     names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
+class _OfTwins:
+    """Holds what the twins of all versions of a text have in common, which are used one after the other."""
+
+    __slots__ = ("memory", "pieces")
+
+    def __init__(self) -> None:
+        self.pieces = Pieces(may_move=True)
+        self.memory = Memory()
+
+
 class Document:
     """One version of a text. Never changes; `edited` returns the next version.
 
@@ -60,6 +74,9 @@ class Document:
         text: as it is in the editor, with its own line ends and perhaps a byte order mark.
         version: number of the editor.
         settings: what it is written for.
+
+    Attributes:
+        is_outdated: set when there is a next version: what is being found in this one is given up.
     """
 
     def __init__(self, name: str, text: str, version: int = 0, settings: Settings | None = None) -> None:
@@ -67,7 +84,10 @@ class Document:
         self.text = text
         self.version = version
         self.settings = settings or Settings()
+        self.is_outdated = False
         self._pieces = Pieces()
+        self._memory = Memory()
+        self._of_twins = _OfTwins()
         self._found: dict[Callable[[Document], Any], Any] = {}
 
     # ---------------------------------------------------------------- the text
@@ -122,7 +142,7 @@ class Document:
             after = Document(self.name, text, version, self.settings)
         if after is self:
             after = Document(self.name, self.text, version, self.settings)
-        after._pieces = self._pieces
+        after._pieces, after._memory, after._of_twins = self._pieces, self._memory, self._of_twins
         return after
 
     # ---------------------------------------------------------------- what is known of it
@@ -134,9 +154,22 @@ class Document:
         found: _Found = self._found[find]
         return found
 
+    def release(self) -> None:
+        """Let go of all that was found, which knows this document and would wait for the collector."""
+        program = self.__dict__.get("program")
+        for name in _FOUND:
+            self.__dict__.pop(name, None)
+        self._found.clear()
+        if program is not None:
+            program.release()
+
     def twin(self) -> Document:
-        """Return the same version for another thread: what is found of it later is found by each for itself."""
+        """Return the same version for another thread: what is found of it later is found by each for itself.
+
+        The twins of all versions of a text are for one thread: what was read of one is used for the next.
+        """
         made = Document(self.name, self.text, self.version, self.settings)
+        made._pieces, made._memory = self._of_twins.pieces, self._of_twins.memory
         if "translation" in self.__dict__:
             made.translation = self.translation
         return made
@@ -182,7 +215,13 @@ class Document:
         """The text as the rules see it: calls of commands, constants, uses of names."""
         settings = self.settings
         return AnalysedProgram(
-            self.parsed, settings.profile, is_strict=settings.strict, presets=settings.presets, arm=settings.arm
+            self.parsed,
+            settings.profile,
+            is_strict=settings.strict,
+            presets=settings.presets,
+            arm=settings.arm,
+            is_outdated=lambda: self.is_outdated,
+            memory=self._memory,
         )
 
     @cached_property
@@ -192,6 +231,28 @@ class Document:
         return Names(self.program)
 
     @cached_property
+    def _written(self) -> WrittenProgram:
+        # Each of them takes a while for a long text.
+        for step in ("translation", "parsed", "program"):
+            if self.is_outdated:
+                raise Outdated
+            getattr(self, step)
+        return WrittenProgram(self.program)
+
+    @cached_property
+    def quick_problems(self) -> tuple[Diagnostic, ...]:
+        """Those of `problems` that need no values of expressions; found in a third of the time.
+
+        Raises:
+            Outdated: there is a next version.
+        """
+        return self._written.quick_problems()
+
+    @cached_property
     def problems(self) -> tuple[Diagnostic, ...]:
-        """What `check` finds, in the order of the text."""
-        return problems_of(self.program)
+        """What `check` finds, in the order of the text.
+
+        Raises:
+            Outdated: there is a next version.
+        """
+        return self._written.problems()

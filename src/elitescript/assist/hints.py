@@ -171,7 +171,7 @@ def _rounded(seconds: float) -> str:
 def _times(document: Document, span: Span, last_run: LastRun) -> Iterator[InlayHint]:
     same = last_run.same_lines(document.source.lines)
     for line in range(max(span.line, 1), min(span.end_line, document.line_count) + 1):
-        time = last_run.moves.get(same.ran(line))
+        time = last_run.moves.get(same.earlier(line))
         if time is not None:
             tooltip = "time of the moves of this line in the last run"
             if time.times > 1:
@@ -187,7 +187,7 @@ def _blends(document: Document, span: Span, last_run: LastRun) -> Iterator[Inlay
     same = last_run.same_lines(document.source.lines)
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
         line = called.call.lineno
-        blend = last_run.blends.get(same.ran(line)) if span.line <= line <= span.end_line else None
+        blend = last_run.blends.get(same.earlier(line)) if span.line <= line <= span.end_line else None
         node = next((node for param, node in arguments.given if param.quantity.meaning == "blend radius"), None)
         if blend is not None and node is not None:
             _, _, line, column = document.symbols.range_of(node)

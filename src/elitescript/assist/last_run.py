@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from elitescript.assist.same_lines import SameLines, same_lines
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple, field, record
 
@@ -59,26 +60,6 @@ class RunFinding(NamedTuple):
         return f"{self.text} ({times}at {self.t:.3f} s)"
 
 
-class SameLines(NamedTuple):
-    """Which lines of a text are those that ran.
-
-    Attributes:
-        before: lines up to this one did not change.
-        behind: lines from the one behind this one on did not change.
-        shift: what to add to the number of a line behind, to get that of the line that ran.
-    """
-
-    before: int
-    behind: int
-    shift: int
-
-    def ran(self, line: int) -> int:
-        """Return the number that a line had in the run; 0 if it has changed since."""
-        if line <= self.before:
-            return line
-        return line + self.shift if line > self.behind else 0
-
-
 @record
 class LastRun:
     """What is kept of a run. Lines are those of the text that ran.
@@ -108,12 +89,5 @@ class LastRun:
     ended: str = ""
 
     def same_lines(self, rows: Sequence[str]) -> SameLines:
-        """Return which lines of the text now are those that ran.
-
-        Lines in front of the first changed one, and those behind the last changed one, are the same.
-        """
-        ran = SourceFile("", self.text).lines
-        most = min(len(ran), len(rows))
-        first = next((index for index in range(most) if ran[index] != rows[index]), most)
-        last = next((index for index in range(most - first) if ran[-1 - index] != rows[-1 - index]), most - first)
-        return SameLines(first, len(rows) - last, len(ran) - len(rows))
+        """Return which lines of the text now are those that ran."""
+        return same_lines(SourceFile("", self.text).lines, rows)

@@ -81,9 +81,9 @@ def _share(document: Document, function: Scope, last_run: LastRun) -> str:
         is_inner = any(
             isinstance(other, ast.FunctionDef) and other.lineno <= line <= (other.end_lineno or 0) for other in inner
         )
-        time = None if is_inner else last_run.lines.get(same.ran(line))
+        time = None if is_inner else last_run.lines.get(same.earlier(line))
         taken_s += 0.0 if time is None else time.total_s
-    calls = last_run.lines.get(same.ran(first))
+    calls = last_run.lines.get(same.earlier(first))
     parts = [f"{calls.times} calls" if calls.times > 1 else "1 call"] if calls is not None and calls.times else []
     if last_run.duration_s and taken_s:
         parts.append(f"{100.0 * taken_s / last_run.duration_s:.0f} % of the time")

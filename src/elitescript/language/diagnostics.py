@@ -18,6 +18,10 @@ LINE_KEPT: Final = 1000
 """Characters of a line that an alarm keeps."""
 
 
+class Outdated(Exception):
+    """The text that is looked at has changed meanwhile, so that what is found in it is of no use."""
+
+
 class Severity(StrEnum):
     """Severity of a finding. An error keeps the program from starting; a note is no problem, only worth knowing."""
 

@@ -134,9 +134,11 @@ class Census:
 
     def _count(self, tree: ast.AST) -> None:
         by_kind, children = self.by_kind, CHILDREN
-        leaf, leaves = ast.Constant, self.by_kind[ast.Constant]
+        # Most nodes are constants and names, which hold no others.
+        constant, add_constant = ast.Constant, by_kind[ast.Constant].append
+        name, add_name = ast.Name, by_kind[ast.Name].append
         stack = [tree]
-        pop, push, push_all = stack.pop, stack.append, stack.extend
+        pop, push = stack.pop, stack.append
         while stack:
             node = pop()
             kind = type(node)
@@ -148,10 +150,20 @@ class Census:
             by_kind[kind].append(node)
             for field in fields:
                 child = getattr(node, field)
-                if type(child) is list:
-                    push_all(child)
-                elif type(child) is leaf:
-                    leaves.append(child)
+                what = type(child)
+                if what is constant:
+                    add_constant(child)
+                elif what is name:
+                    add_name(child)
+                elif what is list:
+                    for item in child:
+                        what = type(item)
+                        if what is constant:
+                            add_constant(item)
+                        elif what is name:
+                            add_name(item)
+                        else:
+                            push(item)
                 elif child is not None:
                     push(child)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
+from operator import attrgetter
 from typing import Any, Final
 
 from elitescript.language.nodes import BLOCKS, children
@@ -56,12 +57,12 @@ class Symbols:
         self.body = Scope(self._declared, "body", parsed.name, root, None)
         _Walk(self).run()
         for scope in tuple(self.body.walk()):
-            scope.calls.sort(key=_position)
+            scope.calls.sort(key=_place)
             scope.children.sort(key=lambda child: _position(child.node))
             for bindings in scope.bindings.values():
                 bindings.sort(key=lambda binding: (binding.line, binding.column))
             for reads in scope.reads.values():
-                reads.sort(key=_position)
+                reads.sort(key=_place)
         self.scopes = tuple(self.body.walk())
         self.global_names = frozenset(self._declared)
         self._made_by = {scope.node: scope for scope in self.scopes}
@@ -218,6 +219,9 @@ class Symbols:
         return tuple(sorted(late, key=lambda item: (_position(item.statement), item.name)))
 
 
+_place: Final = attrgetter("lineno", "col_offset")
+
+
 def _position(node: ast.AST) -> tuple[int, int]:
     return getattr(node, "lineno", 0), getattr(node, "col_offset", 0)
 
@@ -263,12 +267,17 @@ class _Walk:
     def _below(self, node: ast.AST, scope: Scope, kind: str = "assign") -> None:
         """Visit the nodes directly inside a node; constants and names that are read, which most are, at once."""
         parents, scope_of, push = self.symbols._parents, self.symbols._scope_of, self.stack.append
-        if type(node) is ast.List or type(node) is ast.Tuple:
-            below: list[Any] = node.elts
-        elif type(node) is ast.UnaryOp:
-            below = [node.operand]
-        elif type(node) is ast.Expr:
-            below = [node.value]
+        what = type(node)
+        if what is ast.Call:
+            below: list[Any] = [node.func, *node.args, *node.keywords]  # type: ignore[attr-defined]
+        elif what is ast.List or what is ast.Tuple:
+            below = node.elts  # type: ignore[attr-defined]
+        elif what is ast.keyword or what is ast.Expr:
+            below = [node.value]  # type: ignore[attr-defined]
+        elif what is ast.UnaryOp:
+            below = [node.operand]  # type: ignore[attr-defined]
+        elif what is ast.BinOp:
+            below = [node.left, node.right]  # type: ignore[attr-defined]
         else:
             below = children(node)
         for child in below:

@@ -47,8 +47,11 @@ def arrange(command: Command, call: ast.Call, known: Placements) -> Arguments:
     """
     spreads_list = ast.Starred in map(type, call.args)
     by_position = [] if spreads_list else call.args
-    named = {keyword.arg: keyword for keyword in reversed(call.keywords) if keyword.arg is not None}
-    names = tuple([keyword.arg for keyword in call.keywords if keyword.arg is not None])
+    named: dict[str, ast.keyword] = {}
+    names: tuple[str, ...] = ()
+    if call.keywords:
+        named = {keyword.arg: keyword for keyword in reversed(call.keywords) if keyword.arg is not None}
+        names = tuple([keyword.arg for keyword in call.keywords if keyword.arg is not None])
     is_complete = not spreads_list and len(names) == len(call.keywords)
     form = (command, len(by_position), names, is_complete)
     placement = known.get(form)

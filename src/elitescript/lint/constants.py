@@ -65,7 +65,7 @@ class Constants:
         """Return the value of an expression as `value` does, but a `Range` for a number of which a range is known."""
         value = self.value(node, scope)
         parts = value if isinstance(value, (list, tuple)) else (value,)
-        if not any(isinstance(part, Unknown) for part in parts):
+        if Unknown not in map(type, parts):
             return value
         return self.plain(self._values().evaluated(node, scope), has_ranges=True)
 
@@ -89,14 +89,22 @@ class Constants:
 
 def _literal(node: ast.expr) -> Any:
     """Return the value of a literal; `UNKNOWN` for anything else."""
-    if isinstance(node, ast.Constant):
-        return node.value if isinstance(node.value, _EXACT_KINDS) else UNKNOWN
-    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and isinstance(node.operand, ast.Constant):
+    kind = type(node)
+    if kind is ast.Constant:
+        value = node.value  # type: ignore[attr-defined]
+        return value if isinstance(value, _EXACT_KINDS) else UNKNOWN
+    if isinstance(node, ast.UnaryOp):
+        if type(node.op) is not ast.USub or type(node.operand) is not ast.Constant:
+            return UNKNOWN
         number: Any = node.operand.value
         return -number if type(number) in (int, float) else UNKNOWN
     if isinstance(node, (ast.List, ast.Tuple)):
-        items = [_literal(element) for element in node.elts]
-        if any(item is UNKNOWN for item in items):
-            return UNKNOWN
-        return items if isinstance(node, ast.List) else tuple(items)
+        items = []
+        for element in node.elts:
+            # Poses and joint positions are most of a program.
+            item = element.value if type(element) is ast.Constant else _literal(element)
+            if item is UNKNOWN or (not isinstance(item, _EXACT_KINDS) and type(element) is ast.Constant):
+                return UNKNOWN
+            items.append(item)
+        return items if kind is ast.List else tuple(items)
     return UNKNOWN

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator
 
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.errors import CODES, ProgramError
@@ -80,6 +80,7 @@ def compile_checked(
     *,
     presets: Collection[str] = (),
     arm: ArmFacts | None = None,
+    report_first: Callable[[tuple[Diagnostic, ...]], object] | None = None,
 ) -> CheckResult:
     """Check and compile a text, which is read once for both.
 
@@ -91,13 +92,19 @@ def compile_checked(
         options: how it is read.
         presets: names of globals that have a value before the program begins.
         arm: the arm that it is for; None leaves out what depends on it.
+        report_first: called with the findings that need no values of expressions, before the others are looked for.
     """
-    return check_parsed(parse(source, options), profile, presets=presets, arm=arm)
+    return check_parsed(parse(source, options), profile, presets=presets, arm=arm, report_first=report_first)
 
 
 @without_collection
 def check_parsed(
-    parsed: Parsed, profile: Profile, *, presets: Collection[str] = (), arm: ArmFacts | None = None
+    parsed: Parsed,
+    profile: Profile,
+    *,
+    presets: Collection[str] = (),
+    arm: ArmFacts | None = None,
+    report_first: Callable[[tuple[Diagnostic, ...]], object] | None = None,
 ) -> CheckResult:
     """Check and compile a text that was read; see `compile_checked`. Uses up the tree."""
     options = parsed.options
@@ -105,8 +112,13 @@ def check_parsed(
     census = None
     if parsed.is_complete:
         program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)
-        problems += _findings(program)
+        known: dict[str, list[Finding]] = {}
+        if report_first is not None:
+            quick = _findings(program, _quick_rules(program), known)
+            report_first(_reported([*problems, *quick, *parsed.diagnostics], parsed.source, options.ignored))
+        problems += _findings(program, _rules(program), known)
         census = program.census
+        program.release()
     unit = None
     # Compiling uses up the tree, so the rules come first.
     try:
@@ -119,33 +131,85 @@ def check_parsed(
     return CheckResult(None if unit is None else replace(unit, findings=found), found, options.strict)
 
 
-@without_collection
-def problems_of(program: AnalysedProgram) -> tuple[Diagnostic, ...]:
-    """Return all problems of a text that was analysed, as `check_source`, and leave its tree as it is."""
-    parsed = program.parsed
-    problems = _findings(program) if parsed.is_complete else []
-    known = _known_before(parsed.source, program.arm)
-    return _reported([*known, *problems, *problems_in(parsed, program.census)], parsed.source, parsed.options.ignored)
+class WrittenProgram:
+    """Finds the problems of a text that is being written: first those for which no expression is evaluated.
+
+    Args:
+        program: the text, analysed; its tree is left as it is.
+    """
+
+    __slots__ = ("_found", "_program", "_refusals")
+
+    def __init__(self, program: AnalysedProgram) -> None:
+        self._program = program
+        self._found: dict[str, list[Finding]] = {}
+        """What rules have found, by their codes."""
+        self._refusals: tuple[Diagnostic, ...] | None = None
+        """What the compiler has found."""
+
+    @without_collection
+    def quick_problems(self) -> tuple[Diagnostic, ...]:
+        """Return the problems that are found without the values of expressions.
+
+        Raises:
+            Outdated: the text has changed meanwhile.
+        """
+        return self._reported(_findings(self._program, _quick_rules(self._program), self._found))
+
+    @without_collection
+    def problems(self) -> tuple[Diagnostic, ...]:
+        """Return all problems, as `check_source`.
+
+        Raises:
+            Outdated: the text has changed meanwhile.
+        """
+        return self._reported(_findings(self._program, _rules(self._program), self._found))
+
+    def _reported(self, found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
+        program, parsed = self._program, self._program.parsed
+        if self._refusals is None:
+            program.stop_if_outdated()
+            self._refusals = problems_in(parsed, program.census)
+        known = _known_before(parsed.source, program.arm)
+        return _reported([*known, *found, *self._refusals], parsed.source, parsed.options.ignored)
 
 
 def _known_before(source: SourceFile, arm: ArmFacts | None) -> list[Diagnostic]:
     """Return what is known of a text besides what stands in it: of the tree from which it was generated."""
-    if not source.arm or arm is None or source.arm.lower() == arm.name.lower():
+    made_for = "" if source.tree is None else source.tree.arm
+    if not made_for or arm is None or made_for.lower() == arm.name.lower():
         return [*source.notes]
-    text = said(
-        "the graphical program was made for a {made_for}, and this is a {arm}", made_for=source.arm, arm=arm.name
-    )
-    hint = said("--robot {made_for} runs it on that arm", made_for=source.arm)
+    text = said("the graphical program was made for a {made_for}, and this is a {arm}", made_for=made_for, arm=arm.name)
+    hint = said("--robot {made_for} runs it on that arm", made_for=made_for)
     return [diagnostic(OTHER_ARM, 1, 1, text, hint=hint), *source.notes]
 
 
-def _findings(program: AnalysedProgram) -> list[Diagnostic]:
-    """Return what the rules find."""
-    rules = rules_for(program.source.text)
-    rules = [rule for rule in rules if not (rule.needs_all_lines and program.parsed.has_errors)]
+def _rules(program: AnalysedProgram) -> Iterator[Rule]:
+    """Yield the rules that can find anything in a program; between two of them it may be outdated."""
+    if program.parsed.is_complete:
+        for rule in rules_for(program.source.text):
+            if not (rule.needs_all_lines and program.parsed.has_errors):
+                program.stop_if_outdated()
+                yield rule
+
+
+def _quick_rules(program: AnalysedProgram) -> Iterator[Rule]:
+    """Yield those that need no values of expressions."""
+    return (rule for rule in _rules(program) if not rule.needs_values)
+
+
+def _findings(program: AnalysedProgram, rules: Iterable[Rule], known: dict[str, list[Finding]]) -> list[Diagnostic]:
+    """Return what rules find; `known` gets it by their codes, and what is in it already is not looked for again."""
     found: list[Diagnostic] = []
     for rule in rules:
-        findings = list(rule.check(program))
+        findings = known.get(rule.code)
+        if findings is None:
+            try:
+                findings = list(rule.check(program))
+            except RecursionError:
+                # Expressions nested deeper than it can follow: it says nothing of such a text.
+                findings = []
+            known[rule.code] = findings
         lines = {program.span(finding.where).line for finding in findings if isinstance(finding.where, ast.AST)}
         for finding in findings:
             passed = _passed(finding, program)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from functools import cached_property
 from typing import Final
 
 from elitescript.language.nodes import children
@@ -17,7 +18,7 @@ _DEEPEST: Final = 60
 class Flow:
     """Follows the blocks of one program, and the functions that they call."""
 
-    __slots__ = ("_program", "_returns")
+    __slots__ = ("__dict__", "_program", "_returns")
 
     def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
@@ -43,7 +44,7 @@ class Flow:
         if isinstance(node, ast.With):
             return self.reaches_end(node.body, depth)
         if isinstance(node, ast.Match):
-            return not any(_takes_all(case) for case in node.cases) or any(
+            return not any(takes_all(case) for case in node.cases) or any(
                 self.reaches_end(case.body, depth) for case in node.cases
             )
         if isinstance(node, ast.Assert):
@@ -74,31 +75,29 @@ class Flow:
             # A function that calls itself is taken to return.
             self._returns[scope] = True
             node = scope.node
-            if isinstance(node, ast.FunctionDef) and not node.decorator_list and not own_nodes(node, ast.Return):
-                self._returns[scope] = is_generator(node) or self.reaches_end(node.body)
+            if isinstance(node, ast.FunctionDef) and not node.decorator_list and not self.returns_of(scope):
+                self._returns[scope] = self.is_generator(scope) or self.reaches_end(node.body)
         return self._returns[scope]
 
+    def returns_of(self, scope: Scope) -> list[ast.Return]:
+        """Return the `return` statements of a function itself, in no particular order."""
+        return self._returns_of.get(scope, [])
 
-def is_generator(function: ast.FunctionDef) -> bool:
-    """Return whether a function has a `yield` of its own."""
-    return bool(own_nodes(function, ast.Yield, ast.YieldFrom))
+    @cached_property
+    def _returns_of(self) -> dict[Scope, list[ast.Return]]:
+        found: dict[Scope, list[ast.Return]] = {}
+        for node in self._program.nodes(ast.Return):
+            found.setdefault(self._program.symbols.scope_of(node), []).append(node)
+        return found
 
+    def is_generator(self, scope: Scope) -> bool:
+        """Return whether a function has a `yield` of its own."""
+        return scope in self._generators
 
-def own_nodes(function: ast.FunctionDef, *kinds: type[ast.AST]) -> list[ast.AST]:
-    """Return the nodes of some kinds in a function itself, not in those inside it; in no particular order."""
-    found = []
-    # No statement is inside an expression.
-    closed: tuple[type[ast.AST], ...] = (ast.FunctionDef, ast.Lambda, ast.ClassDef)
-    if all(issubclass(kind, ast.stmt) for kind in kinds):
-        closed = (*closed, ast.expr)
-    stack: list[ast.AST] = list(function.body)
-    while stack:
-        node = stack.pop()
-        if isinstance(node, kinds):
-            found.append(node)
-        if not isinstance(node, closed):
-            stack.extend(children(node))
-    return found
+    @cached_property
+    def _generators(self) -> frozenset[Scope]:
+        kinds: tuple[type[ast.expr], ...] = (ast.Yield, ast.YieldFrom)
+        return frozenset(self._program.symbols.scope_of(node) for kind in kinds for node in self._program.nodes(kind))
 
 
 def _has_break(body: list[ast.stmt]) -> bool:
@@ -115,6 +114,6 @@ def _has_break(body: list[ast.stmt]) -> bool:
     return False
 
 
-def _takes_all(case: ast.match_case) -> bool:
+def takes_all(case: ast.match_case) -> bool:
     """Return whether a case of a `match` takes every value."""
     return case.guard is None and isinstance(case.pattern, ast.MatchAs) and case.pattern.pattern is None

@@ -18,12 +18,15 @@ if TYPE_CHECKING:
 _AT_FLANGE: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _SETS_TCP: Final = "set_tcp"
 _LOOKS: Final = 16
+_FLOAT: Final = frozenset((float,))
 
 
 def six(value: object) -> Six | None:
     """Return six certain numbers; None for anything else."""
     if not isinstance(value, (list, tuple)) or len(value) != 6:
         return None
+    if _FLOAT.issuperset(map(type, value)):
+        return tuple(value)
     if not all(isinstance(number, (int, float)) for number in value):
         return None
     a, b, c, d, e, f = map(float, value)
@@ -39,6 +42,7 @@ class TargetPlaces:
 
     def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
+        self._positions: dict[int, Six | None] = {}
 
     def argument(self, place: int, *names: str) -> Six | None:
         """Return the six numbers that the call of that index gives to the first of these parameters that it has."""
@@ -93,6 +97,11 @@ class TargetPlaces:
 
     def position(self, called: CommandCall, place: int) -> Six | None:
         """Return the pose of the TCP at the end of a move; None if it is not certain."""
+        if place not in self._positions:
+            self._positions[place] = self._position(called, place)
+        return self._positions[place]
+
+    def _position(self, called: CommandCall, place: int) -> Six | None:
         name = called.command.alias_of or called.command.name
         if name == "movej":
             q = self.argument(place, "q")

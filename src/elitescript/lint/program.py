@@ -10,11 +10,21 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.definition.plausibility import JUDGES, TAKEN_FOR_EACH_OTHER, ArmFacts, Doubt, mistaken
+from elitescript.commands.definition.plausibility import (
+    COMPARED,
+    JUDGES,
+    OF_ANGLES,
+    TAKEN_FOR_EACH_OTHER,
+    ArmFacts,
+    Doubt,
+    mistaken,
+)
+from elitescript.commands.definition.quantities import Anything
 from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
 from elitescript.language.advice.unknown_names import KNOWN, advice
+from elitescript.language.diagnostics import Outdated
 from elitescript.language.nodes import Census
 from elitescript.language.options import SCRIPT, SECONDARY
 from elitescript.language.parser import Parsed
@@ -32,6 +42,7 @@ if TYPE_CHECKING:
     from elitescript.errors import ScriptError
     from elitescript.lint.list_uses import ListUses
     from elitescript.lint.passed_values import PassedCall, PassedValues
+    from elitescript.values.memory import Memory
     from elitescript.values.program import Values
 
 _SIX: Final = 6
@@ -116,6 +127,7 @@ class AnalysedProgram:
         is_strict: what only this implementation accepts is an error.
         presets: names that have a value before the program begins.
         arm: the arm that it is for; None if that is not known.
+        is_outdated: returns whether the text has changed meanwhile, in a program that is written.
         symbols: scopes and names.
         census: all nodes of the tree.
     """
@@ -128,6 +140,8 @@ class AnalysedProgram:
         is_strict: bool = False,
         presets: Collection[str] = (),
         arm: ArmFacts | None = None,
+        is_outdated: Callable[[], bool] = bool,
+        memory: Memory | None = None,
     ) -> None:
         self.parsed = parsed
         self.source = parsed.source
@@ -135,10 +149,37 @@ class AnalysedProgram:
         self.is_strict = is_strict
         self.presets = presets
         self.arm = arm
+        self.is_outdated = is_outdated
+        self._memory = memory
         self.symbols = Symbols(parsed)
         self.census = Census(parsed.tree)
         self._derived: dict[Any, Any] = {}
         self._hidden: dict[tuple[str, Scope], bool] = {}
+        self._fitting_lists: set[tuple[int, int | None] | None] = set()
+        """Parameters, by identity, and lengths of lists that they accept; None if the length is not known."""
+
+    def release(self) -> None:
+        """Let go of all that is known of the text, which takes as much memory as its tree; it is of no use then.
+
+        What was computed of a program knows the program, so without this it would stay until the collector comes.
+        """
+        if "values" in self.__dict__:
+            self.values.release()
+        for scope in self.symbols.scopes:
+            scope.children.clear()
+            scope.reads.clear()
+            scope.bindings.clear()
+            scope.calls.clear()
+        self.__dict__.clear()
+
+    def stop_if_outdated(self) -> None:
+        """Do nothing while the text is the newest one.
+
+        Raises:
+            Outdated: it is not.
+        """
+        if self.is_outdated():
+            raise Outdated
 
     @cached_property
     def values(self) -> Values:
@@ -146,7 +187,7 @@ class AnalysedProgram:
         # Short programs do without: everything is written where it is used.
         from elitescript.values.program import Values
 
-        return Values(self.symbols, self.presets)
+        return Values(self.symbols, self.presets, self.stop_if_outdated, self._memory, self.profile)
 
     @cached_property
     def constants(self) -> Constants:
@@ -236,12 +277,13 @@ class AnalysedProgram:
         """Uses of names that nothing defines, in what could be read."""
         if any(alias.name == "*" for node in self.nodes(ast.ImportFrom) for alias in node.names):
             return ()
+        unset = () if self.source.tree is None else self.source.tree.unset
         return tuple(
             use
             for use in self.outside
             if not (use.name in KNOWN or use.name in self.unread_names or is_dunder(use.name))
             and use.name not in self.presets
-            and use.name not in self.source.unset
+            and use.name not in unset
             and CATALOGUE.get(use.name) is None
         )
 
@@ -306,11 +348,18 @@ class AnalysedProgram:
         """The calls of commands that the firmware has."""
         calls = []
         for scope in self.symbols.scopes:
+            known: dict[str, Command | None] = {}
             for call in scope.calls:
-                if isinstance(call.func, ast.Name):
-                    command = self.command(call.func.id, scope)
-                    if command is not None and self.is_available(command):
-                        calls.append(CommandCall(command, call, scope))
+                function = call.func
+                if type(function) is not ast.Name:
+                    continue
+                name = function.id
+                if name not in known:
+                    command = self.command(name, scope)
+                    known[name] = command if command is not None and self.is_available(command) else None
+                command = known[name]
+                if command is not None:
+                    calls.append(CommandCall(command, call, scope))
         return tuple(calls)
 
     @cached_property
@@ -363,19 +412,33 @@ class AnalysedProgram:
         """The arguments that commands will certainly refuse."""
         mistakes = sorted((problem.line, problem.column) for problem in self.parsed.diagnostics if problem.is_error)
         found = []
+        # Programs give the same numbers again and again.
+        accepted: set[tuple[int, type, Any]] = set()
         for called, arguments in self.judged_calls:
             if called.written is not called.call and self.is_tried(called.written):
                 # The program expects it.
                 continue
             for param, node in arguments.given:
+                if type(param.quantity) is Anything:
+                    continue
                 # A placeholder stands there in place of the author's text.
                 if mistakes:
                     span = self.span(node)
                     place = bisect_left(mistakes, span[:2])
                     if place < len(mistakes) and mistakes[place] < span[2:]:
                         continue
-                value = self.constants.value(node, called.scope)
-                error = refuse(param, value) or self._refused_kind(param, node, value)
+                if type(node) is ast.Constant:
+                    literal = (id(param), type(node.value), node.value)
+                    if literal in accepted:
+                        continue
+                    value = self.constants.value(node, called.scope)
+                    error = refuse(param, value) or self._refused_kind(param, node, value)
+                    if error is None:
+                        accepted.add(literal)
+                        continue
+                else:
+                    value = self.constants.value(node, called.scope)
+                    error = refuse(param, value) or self._refused_kind(param, node, value)
                 if error is not None and not self._is_joined(node):
                     found.append(ArgumentRefusal(called.command, param, node, error))
         return tuple(found)
@@ -392,7 +455,18 @@ class AnalysedProgram:
         """Return the error that a parameter raises for every value that an expression can have."""
         if not isinstance(value, Unknown):
             return None
-        return refuse_description(param, self.values.of(node), ast.unparse(node))
+        described = self.values.of(node)
+        if not described.is_known or described.has_constant:
+            return None
+        items = described.items
+        # Of a list with other elements than constants its length alone can be wrong.
+        fitting = (id(param), None if items is None else len(items)) if described.is_list else None
+        if fitting in self._fitting_lists:
+            return None
+        error = refuse_description(param, described, ast.unparse(node))
+        if error is None and fitting is not None:
+            self._fitting_lists.add(fitting)
+        return error
 
     def _is_joined(self, node: ast.expr) -> bool:
         """Return whether a value is one of `joined_lists`: one cause is one finding."""
@@ -432,14 +506,32 @@ class AnalysedProgram:
     def doubts(self) -> tuple[Doubted, ...]:
         """The arguments that commands accept, but that are hardly meant; see `commands.definition.plausibility`."""
         refused = {refusal.node for refusal in self.refusals}
-        found = []
+        found: list[Doubted] = []
+        accepted: set[tuple[int, type, Any]] = set()
         for called, arguments in self.judged_calls:
             for param, node in arguments.given:
+                literal = None
+                if type(node) is ast.Constant:
+                    # Programs give the same numbers again and again.
+                    literal = (id(param), type(node.value), node.value)
+                    if literal in accepted:
+                        continue
                 meaning = param.quantity.meaning
                 is_transform = not meaning and param.quantity.unit == _POSE_UNIT
                 if is_transform:
                     meaning = "pose"
-                if not meaning or node in refused:
+                if node in refused:
+                    continue
+                others: list[Doubt] = []
+                if param.quantity.unit in COMPARED and (not _is_written(node) or called.command.name in OF_ANGLES):
+                    # Imported late: short programs do without values.
+                    from elitescript.lint.quantity_doubts import quantity_doubts
+
+                    others += quantity_doubts(self.values, called.command, param, node)
+                if not meaning:
+                    found += [self._doubted(called, param, node, doubt) for doubt in others]
+                    if literal is not None and not others:
+                        accepted.add(literal)
                     continue
                 value = self.constants.bounds(node, called.scope)
                 # Programs also compute with transforms in other units, but not with those of the arm.
@@ -448,12 +540,15 @@ class AnalysedProgram:
                 if meaning in TAKEN_FOR_EACH_OTHER and not isinstance(node, (ast.List, ast.Tuple)):
                     other = mistaken(meaning, self.values.of(node).role)
                     reported += [] if other is None else [other]
-                for doubt in reported:
-                    command, argument = called.command.name, param.name
-                    text = said("{command}: {argument}{doubt}", command=command, argument=argument, doubt=doubt.text)
-                    doubt = doubt._replace(text=text)
-                    found.append(Doubted(element(node, doubt.element), doubt, param, node, called.scope))
+                if literal is not None and is_judged and not reported and not others:
+                    accepted.add(literal)
+                found += [self._doubted(called, param, node, doubt) for doubt in (*reported, *others)]
         return tuple(found)
+
+    def _doubted(self, called: CommandCall | PassedCall, param: Param, node: ast.expr, doubt: Doubt) -> Doubted:
+        command, argument = called.command.name, param.name
+        text = said("{command}: {argument}{doubt}", command=command, argument=argument, doubt=doubt.text)
+        return Doubted(element(node, doubt.element), doubt._replace(text=text), param, node, called.scope)
 
     @cached_property
     def list_uses(self) -> ListUses:
@@ -493,6 +588,12 @@ class AnalysedProgram:
             for node in self.nodes(kind)
             for part in ast.iter_child_nodes(node)
         )
+
+
+def _is_written(node: ast.expr) -> bool:
+    """Return whether a number, or a list of numbers, is written out where it is used."""
+    parts = node.elts if isinstance(node, (ast.List, ast.Tuple)) else (node,)
+    return all(isinstance(part.operand if isinstance(part, ast.UnaryOp) else part, ast.Constant) for part in parts)
 
 
 def element(node: ast.expr, index: int | None) -> ast.expr:

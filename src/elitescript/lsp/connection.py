@@ -34,6 +34,7 @@ from pygls.exceptions import (
 )
 from pygls.protocol import LanguageServerProtocol
 
+from elitescript.language.diagnostics import Outdated
 from elitescript.records import record
 from elitescript.shown import encodable_json
 from elitescript.untrusted.json_text import JsonError, json_value
@@ -259,6 +260,8 @@ class Connection(LanguageServerProtocol):
         error = done.exception()
         if error is None:
             self._finish(request, done.result(), None)
+        elif isinstance(error, Outdated):
+            self._finish(request, None, _overtaken())
         elif isinstance(error, JsonRpcException):
             self._finish(request, None, error)
         else:

@@ -43,10 +43,10 @@ def _hover(session: Session, document: Document, params: types.HoverParams) -> t
 
 def _completion(session: Session, document: Document, params: types.CompletionParams) -> types.CompletionList:
     positions = session.positions(document)
-    offers = completion.completions(document, *positions.place(params.position))
+    offers, is_all = completion.fitting_completions(document, *positions.place(params.position))
     ranges = {offer.span: positions.range(offer.span) for offer in offers}
     has_snippets = session.client.has("text_document.completion.completion_item.snippet_support")
-    return types.CompletionList(False, [_item(offer, ranges[offer.span], has_snippets) for offer in offers])
+    return types.CompletionList(not is_all, [_item(offer, ranges[offer.span], has_snippets) for offer in offers])
 
 
 def _item(offer: Completion, place: types.Range, has_snippets: bool) -> types.CompletionItem:

@@ -1,5 +1,8 @@
 """Sends the findings of texts: when the client asks, or by itself to clients that do not ask.
 
+What needs no values of expressions is found first. Where the rest takes longer it is sent at once, with what the
+version before had in lines that have not changed, and all findings in a second message.
+
 Of an open text that the server has run, in the background or on request, they are those of `check` and, marked as
 such, those of that last run: until it has run again. When the text has changed since, what stands in lines that did not
 change is shown as of an earlier text.
@@ -8,21 +11,24 @@ change is shown as of an earlier text.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator, Sequence
+from contextlib import suppress
 from hashlib import blake2b
-from time import perf_counter
 from typing import Final
 
 from lsprotocol import types
 
-from elitescript.assist.diagnostics import Problem, diagnostics
+from elitescript.assist.diagnostics import Problem, diagnostics, kept, quick_diagnostics
 from elitescript.assist.document import Document
 from elitescript.assist.last_run import LastRun
-from elitescript.language.diagnostics import Severity
+from elitescript.language.diagnostics import Diagnostic, Outdated, Severity
 from elitescript.lint.program import Span
 from elitescript.lsp.feature import TAGS, Feature
 from elitescript.lsp.positions import Positions
-from elitescript.lsp.session import Session
+from elitescript.lsp.session import LastFindings, Session
+from elitescript.lsp.texts import is_tree
+from elitescript.records import NamedTuple
+from elitescript.said import parts_of
 
 SOURCE: Final = "elitescript"
 """Name of the tool beside each finding."""
@@ -31,9 +37,9 @@ RUN_SOURCE: Final = "elitescript run"
 """The same of what the last run has found."""
 
 PAUSE_S: Final = 0.05
-"""Least time without a change before the findings of a changed text are looked for, s."""
-PAUSE_MAX_S: Final = 1.0
-"""Most of it: it grows with the time that the last check took."""
+"""Time without a change before the findings of a changed text are looked for, s."""
+TOGETHER_S: Final = 0.02
+"""Time in which all findings of a text are awaited before those that were found first are sent, s."""
 
 _RELATED: Final = (
     "text_document.publish_diagnostics.related_information",
@@ -71,6 +77,7 @@ def shown(problem: Problem, positions: Positions, uri: str, *, has_related: bool
         source=SOURCE,
         tags=[TAGS[tag] for tag in problem.tags] or None,
         related_information=related if has_related and related else None,
+        data={**parts_of(found.text), **parts_of(found.hint, "hint_")},
     )
 
 
@@ -79,7 +86,7 @@ def of_last_run(last: LastRun, positions: Positions) -> Iterator[types.Diagnosti
     document = positions.document
     is_same = last.text == document.text
     same = last.same_lines(document.source.lines)
-    now_by_ran = {same.ran(line): line for line in range(1, document.line_count + 1)}
+    now_by_ran = {same.earlier(line): line for line in range(1, document.line_count + 1)}
     when = f"last run, {last.ended}" if is_same else f"last run, {last.ended}, of an earlier text"
     for found in last.findings:
         # What no line has caused is shown in the first one.
@@ -93,6 +100,7 @@ def of_last_run(last: LastRun, positions: Positions) -> Iterator[types.Diagnosti
             positions.range(Span(line, begin, line, max(begin, len(text.rstrip())) + 1)),
             f"{when}: {found}{hint}",
             severity=_SEVERITIES[Severity(found.severity)] if is_same else types.DiagnosticSeverity.Information,
+            data={**parts_of(found.text), **parts_of(found.hint, "hint_")},
             code=found.code or None,
             source=RUN_SOURCE,
         )
@@ -101,22 +109,19 @@ def of_last_run(last: LastRun, positions: Positions) -> Iterator[types.Diagnosti
 class Findings:
     """Pushes findings, after a pause in the typing; see the module."""
 
-    __slots__ = ("_last_s", "_session", "_timers")
+    __slots__ = ("_session", "_timers")
 
     def __init__(self, session: Session) -> None:
         self._session = session
         self._timers: dict[str, asyncio.TimerHandle] = {}
-        self._last_s = 0.0
-        """Time that the last check took."""
 
     def text_changed(self, uri: str, *, is_new: bool) -> None:
         """Push the findings of a text soon, if this client does not ask for them."""
         if self._session.client.has("text_document.diagnostic"):
             return
         self.forget(uri)
-        pause_s = 0.0 if is_new else min(max(PAUSE_S, 2.0 * self._last_s), PAUSE_MAX_S)
         loop = asyncio.get_running_loop()
-        self._timers[uri] = loop.call_later(pause_s, self._begin, uri)
+        self._timers[uri] = loop.call_later(0.0 if is_new else PAUSE_S, self._begin, uri)
 
     def closed(self, uri: str) -> None:
         """Take back the findings of a text that was closed."""
@@ -154,24 +159,92 @@ class Findings:
             self._session.begin(self._push(uri, document))
 
     async def _push(self, uri: str, document: Document) -> None:
-        started_s = perf_counter()
-        if self._session.texts.open.get(uri) is not document:
-            return
-        twin = self._session.twin(document)
-        found = await self._session.in_thread(findings_of, self._session, uri, twin, self._session.last_run(uri))
-        self._last_s = perf_counter() - started_s
-        if self._session.texts.open.get(uri) is document:
+        async for found in found_in_turn(self._session, uri, document):
             self._session.text_document_publish_diagnostics(
-                types.PublishDiagnosticsParams(uri, found, document.version)
+                types.PublishDiagnosticsParams(uri, found.shown, document.version)
             )
 
 
+class Found(NamedTuple):
+    """Findings of a text and of its last run.
+
+    Attributes:
+        shown: as the protocol has them.
+        problems: those of the text.
+        are_all: False for what needs no values of expressions.
+    """
+
+    shown: list[types.Diagnostic]
+    problems: tuple[Diagnostic, ...]
+    are_all: bool
+
+
+async def found_in_turn(session: Session, uri: str, document: Document) -> AsyncIterator[Found]:
+    """Yield the findings of a version of an open text, at last all; it ends when that is open no more.
+
+    Those that are found first are yielded where the others take longer than `TOGETHER_S`.
+    """
+
+    def is_open() -> bool:
+        return session.texts.open.get(uri) is document
+
+    if not is_open():
+        return
+    twin, last, before = session.twin(document), session.last_run(uri), session.last_findings.get(uri)
+    try:
+        quick = None
+        if before is None or before.rows is not document.source.lines:
+            quick = await session.in_thread(_found, session, uri, twin, last, before, False)
+            if not is_open():
+                return
+        rest = asyncio.ensure_future(session.in_thread(_found, session, uri, twin, last, None, True))
+        # If the client cancels its request, nothing waits for them any more.
+        rest.add_done_callback(lambda done: done.cancelled() or done.exception())
+        await asyncio.wait({rest}, timeout=TOGETHER_S)
+        if quick is not None and not rest.done() and is_open():
+            yield quick
+        found = await rest
+    except Outdated:
+        return
+    if is_open():
+        session.last_findings[uri] = LastFindings(document.source.lines, found.problems)
+        yield found
+
+
 def findings_of(session: Session, uri: str, document: Document, last: LastRun | None = None) -> list[types.Diagnostic]:
-    """Return the findings of a text and of its last run; slow."""
+    """Return the findings of a text and of its last run; slow.
+
+    Raises:
+        Outdated: it is the twin of a version that is open no more.
+    """
+    return _found(session, uri, document, last, None, True).shown
+
+
+def _found(
+    session: Session,
+    uri: str,
+    document: Document,
+    last: LastRun | None,
+    before: LastFindings | None,
+    are_all: bool,
+) -> Found:
+    if is_tree(document):
+        from elitescript.lsp import trees
+
+        return Found(trees.findings_of(session, document, SOURCE, are_all=are_all), (), are_all)
     has_related = any(map(session.client.has, _RELATED))
     positions = session.positions(document)
-    found = [shown(problem, positions, uri, has_related=has_related) for problem in diagnostics(document)]
-    return found if last is None else [*found, *of_last_run(last, positions)]
+    problems: Sequence[Problem] = diagnostics(document) if are_all else quick_diagnostics(document)
+    if before is not None:
+        problems = [*problems, *kept(before.rows, before.problems, document)]
+    found = [shown(problem, positions, uri, has_related=has_related) for problem in problems]
+    if last is not None:
+        found += of_last_run(last, positions)
+    return Found(found, tuple(problem.diagnostic for problem in problems), are_all)
+
+
+_QUICK: Final = ".quick"
+"""End of the result id of findings that are not all."""
 
 
 def result_id(document: Document, generation: int, last: LastRun | None = None) -> str:
@@ -188,8 +261,20 @@ async def _document_diagnostic(
     number = result_id(document, session.texts.generation, last)
     if number == params.previous_result_id:
         return types.RelatedUnchangedDocumentDiagnosticReport(number)
-    found = await session.in_thread(findings_of, session, params.text_document.uri, session.twin(document), last)
-    return types.RelatedFullDocumentDiagnosticReport(found, result_id=number)
+    in_turn = found_in_turn(session, params.text_document.uri, document)
+    async for found in in_turn:
+        if found.are_all:
+            return types.RelatedFullDocumentDiagnosticReport(found.shown, result_id=number)
+        if session.client.has("workspace.diagnostics.refresh_support"):
+            session.begin(_ask_again(session, in_turn))
+            return types.RelatedFullDocumentDiagnosticReport(found.shown, result_id=f"{number}{_QUICK}")
+    raise Outdated
+
+
+async def _ask_again(session: Session, in_turn: AsyncIterator[Found]) -> None:
+    """Have the client ask for the findings of a text again when all are found."""
+    async for _ in in_turn:
+        session.refresh(types.WORKSPACE_DIAGNOSTIC_REFRESH)
 
 
 async def _workspace_diagnostic(
@@ -215,8 +300,9 @@ async def _workspace_diagnostic(
     reports: list[types.WorkspaceDocumentDiagnosticReport] = []
     texts = await session.in_thread(look)
     for uri, text in texts:
-        # One by one, so that findings of open texts go in between.
-        reports.append(await session.in_thread(report, uri, text))
+        # One by one, so that findings of open texts go in between. A text that changes meanwhile is asked for again.
+        with suppress(Outdated):
+            reports.append(await session.in_thread(report, uri, text))
     gone = known.keys() - {uri for uri, _ in texts}
     reports += [types.WorkspaceFullDocumentDiagnosticReport(uri, []) for uri in sorted(gone)]
     return types.WorkspaceDiagnosticReport(reports)

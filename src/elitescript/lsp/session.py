@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Coroutine, Iterator, Mapping
+from collections.abc import Callable, Coroutine, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
@@ -19,6 +19,7 @@ from pygls.protocol import default_converter
 from elitescript import __version__
 from elitescript.assist.document import Document
 from elitescript.assist.last_run import LastRun
+from elitescript.language.diagnostics import Diagnostic
 from elitescript.lsp.client import Client
 from elitescript.lsp.connection import Connection
 from elitescript.lsp.files import WorkspaceFiles
@@ -27,6 +28,7 @@ from elitescript.lsp.run_data import Outcome
 from elitescript.lsp.settings import SECTION
 from elitescript.lsp.texts import Texts, path_of
 from elitescript.lsp.token_results import TokenResults
+from elitescript.records import NamedTuple
 from elitescript.shown import shown
 
 _Result = TypeVar("_Result")
@@ -50,6 +52,18 @@ class Runs(Protocol):
         """Write a page that lasts as long as the session; return its path."""
 
 
+class LastFindings(NamedTuple):
+    """What was found in a version of a text.
+
+    Attributes:
+        rows: its lines.
+        problems: the findings.
+    """
+
+    rows: Sequence[str]
+    problems: tuple[Diagnostic, ...]
+
+
 class Session(LanguageServer):
     """Holds it.
 
@@ -62,6 +76,7 @@ class Session(LanguageServer):
         files: programs of the workspace that are not open.
         tokens: what was sent of semantic tokens.
         last_runs: the last run of each open text that has run, by URI.
+        last_findings: what was found in the last version of an open text in which all was found, by URI.
         runs: runs programs.
     """
 
@@ -74,6 +89,8 @@ class Session(LanguageServer):
         self.files = WorkspaceFiles()
         self.tokens = TokenResults()
         self.last_runs: dict[str, LastRun] = {}
+        self.last_findings: dict[str, LastFindings] = {}
+        self.texts.replaced = self._replaced
         self._twins: WeakKeyDictionary[Document, Document] = WeakKeyDictionary()
         self._thread = ThreadPoolExecutor(1, "findings")
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -116,6 +133,13 @@ class Session(LanguageServer):
         if found is None:
             found = self._twins[document] = document.twin()
         return found
+
+    def _replaced(self, document: Document) -> None:
+        """Give up what the thread of slow requests finds in a version of a text that is open no more."""
+        if (twin := self._twins.get(document)) is not None:
+            twin.is_outdated = True
+            # Behind what the thread does with it by now.
+            self._thread.submit(twin.release)
 
     def twins(self) -> dict[str, Document]:
         """Return the open texts for the thread of slow requests, by URI."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,6 +13,7 @@ from elitescript.assist.document import Document, Settings
 from elitescript.language.diagnostics import Edit
 from elitescript.lsp.positions import Positions
 from elitescript.lsp.settings import ClientSettings, document_settings, read_settings
+from elitescript.paths import is_task_name
 from elitescript.records import NamedTuple
 
 _ALL: Final = ""
@@ -33,14 +34,16 @@ class Texts:
         open: the texts, by URI.
         folders: paths of the folders of the workspace, by URI; those that are no files are left out.
         generation: counts the changes of settings.
+        replaced: called with each version of a text in whose place another one is open, or none.
     """
 
-    __slots__ = ("_applied", "_given", "folders", "generation", "open")
+    __slots__ = ("_applied", "_given", "folders", "generation", "open", "replaced")
 
     def __init__(self) -> None:
         self.open: dict[str, Document] = {}
         self.folders: dict[str, Path] = {}
         self.generation = 0
+        self.replaced: Callable[[Document], None] = lambda document: None
         self._given: dict[str, object] = {}
         """What the client has sent, by the URI of the folder; that of an empty one is for all others."""
         self._applied = {_ALL: _Applied(ClientSettings(), Settings())}
@@ -50,8 +53,14 @@ class Texts:
     def put(self, item: types.TextDocumentItem) -> Document:
         """Take a text that was opened."""
         document = self.made(item.uri, item.text, item.version)
-        self.open[item.uri] = document
+        self._put(item.uri, document)
         return document
+
+    def _put(self, uri: str, document: Document) -> None:
+        before = self.open.get(uri)
+        self.open[uri] = document
+        if before is not None and before is not document:
+            self.replaced(before)
 
     def change(self, uri: str, version: int, changes: Iterable[Any], encoding: str) -> Document | None:
         """Make changes in a text, one after the other; return it, or None if it is not open."""
@@ -67,12 +76,13 @@ class Texts:
                 document = document.edited([Edit(*span, change.text)], version)
         if document.version != version:
             document = document.edited([], version)
-        self.open[uri] = document
+        self._put(uri, document)
         return document
 
     def close(self, uri: str) -> None:
         """Forget a text that was closed."""
-        self.open.pop(uri, None)
+        if (document := self.open.pop(uri, None)) is not None:
+            self.replaced(document)
 
     def made(self, uri: str, text: str, version: int = 0) -> Document:
         """Return a text with the settings of its folder."""
@@ -130,7 +140,7 @@ class Texts:
         for uri, document in list(self.open.items()):
             settings = self.settings(uri).texts
             if settings != document.settings:
-                self.open[uri] = Document(document.name, document.text, document.version, settings)
+                self._put(uri, Document(document.name, document.text, document.version, settings))
                 is_changed = True
         self.generation += 1
         return is_changed
@@ -142,6 +152,11 @@ def path_of(uri: str) -> Path | None:
         return None
     path = to_fs_path(uri)
     return Path(path) if path else None
+
+
+def is_tree(document: Document) -> bool:
+    """Return whether a text is the file of a graphical program."""
+    return is_task_name(document.name)
 
 
 def name_of(uri: str) -> str:

@@ -61,10 +61,11 @@ _INEXACT: Final = frozenset(
 class Calls(Conditions):
     """Evaluates calls."""
 
-    def _call_own(
-        self, function: Function, args: Sequence[Value], keywords: dict[str, Value], is_certain: bool
-    ) -> Value:
+    def _call_own(self, node: ast.AST, args: Sequence[Value], keywords: dict[str, Value], is_certain: bool) -> Value:
         """Return what a function of the program returns, having joined what it gets."""
+        if self._log is not None:
+            return self._logged("_call_own", node, args, keywords, is_certain)  # type: ignore[no-any-return]
+        function = self._function_at(node)
         if function.is_open:
             for value in (*args, *keywords.values()):
                 self._escape(value)
@@ -76,18 +77,16 @@ class Calls(Conditions):
             else:
                 function.evaluations = 1
                 self._changed((function,))
-        function.result.readers.add(self._function)
+        function.result.readers[self._function] = None
         return function.result.value
 
     def _pass(self, function: Function, args: Sequence[Value], keywords: dict[str, Value], is_certain: bool) -> None:
-        arguments = function.arguments
-        if arguments is None:
+        if function.arguments is None:
             return
-        positional = [argument.arg for argument in (*arguments.posonlyargs, *arguments.args)]
+        positional, names, defaults = function.signature
         given: dict[str, Value] = dict(zip(positional, args, strict=False))
         for extra in args[len(positional) :]:
             self._escape(extra)
-        names = {*positional, *(argument.arg for argument in arguments.kwonlyargs)}
         for name, value in keywords.items():
             if name in names:
                 given[name] = value
@@ -96,12 +95,9 @@ class Calls(Conditions):
         if not is_certain:
             given = {name: join(given.get(name, BOTTOM), UNKNOWN) for name in names}
         else:
-            defaults = dict(zip(reversed(positional), reversed(arguments.defaults), strict=False))
-            keyword_defaults = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
-            defaults |= {argument.arg: node for argument, node in keyword_defaults if node is not None}
             for name, node in defaults.items():
                 if name not in given:
-                    given[name] = self.values.get(node, UNKNOWN)
+                    given[name] = self._noted(node)
         is_changed = False
         for name, value in given.items():
             cell = function.parameters.get(name)
@@ -165,7 +161,7 @@ class Calls(Conditions):
         self, node: ast.Call, ref: Any, args: list[Value], keywords: dict[str, Value], is_certain: bool
     ) -> Value:
         if isinstance(ref, Own):
-            return self._call_own(self._function_of(ref.scope), args, keywords, is_certain)
+            return self._call_own(ref.node, args, keywords, is_certain)
         if isinstance(ref, Name):
             return self._call_name(node, ref.name, args, keywords, is_certain)
         for value in (*args, *keywords.values()):
@@ -198,7 +194,7 @@ class Calls(Conditions):
                 for value in args:
                     # A function among them gets the elements.
                     self._escape(calls.element_of(value) if value.kinds else value)
-            current = [self.sites.now(value, self._function) for value in args]
+            current = [self._now(value) for value in args]
             return calls.call_builtin(name, current, bool(keywords), self._site(node))
         for value in (*args, *keywords.values()):
             self._escape(value)
@@ -212,7 +208,7 @@ class Calls(Conditions):
 
     def _copy(self, node: ast.AST, value: Value) -> Value:
         """Return a copy of a value."""
-        value = self.sites.now(value, self._function)
+        value = self._now(value)
         if not value.kinds or not value.kinds & ~(TEXT | BYTES | NONE | 7 | TUPLE):
             return value
         if value.kinds & ~LIST or value.shape is None:
@@ -254,7 +250,7 @@ class Calls(Conditions):
         if counted_by and result.shape is not None:
             return _counted(result, args[0] if args and is_certain else UNKNOWN)
         if command.name in ("length", "get_list_length") and args:
-            return calls.call_builtin("len", [self.sites.now(args[0], self._function)], False, NO_SITES)
+            return calls.call_builtin("len", [self._now(args[0])], False, NO_SITES)
         return result
 
     def _folded(self, node: ast.Call, command: Command, args: list[Value]) -> Value | None:
@@ -262,13 +258,14 @@ class Calls(Conditions):
         plain = []
         must = may = 0
         for value in args:
-            known = plain_value(self.sites.now(value, self._function))
+            known = plain_value(self._now(value))
             if known is UNKNOWN:
                 return None
             plain.append(known)
             may, must = may | value.may, must | value.must
         try:
-            result = command.function(*command.bind(tuple(plain), {}))
+            bound = command.bind(tuple(plain), {})
+            result = command.function(self.profile, *bound) if command.takes_profile else command.function(*bound)
         except (ScriptError, ArithmeticError, ValueError, TypeError):
             return UNKNOWN
         if isinstance(result, tuple):
@@ -295,7 +292,7 @@ class Calls(Conditions):
         """Call the function that a thread runs."""
         function = args[0] if args else keywords.get("function", keywords.get("fundef", UNKNOWN))
         given = args[1] if len(args) > 1 else keywords.get("args", keywords.get("arg", row(TUPLE, ())))
-        given = self.sites.now(given, self._function)
+        given = self._now(given)
         shape = given.shape
         values: list[Value] = []
         if shape is not None and shape.items is not None and not given.kinds & ~ROW and is_certain:
@@ -305,7 +302,7 @@ class Calls(Conditions):
             self._escape(given)
         for ref in function.refs or ():
             if isinstance(ref, Own):
-                self._call_own(self._function_of(ref.scope), values, {}, is_certain)
+                self._call_own(ref.node, values, {}, is_certain)
         if function.refs is None or any(not isinstance(ref, Own) for ref in function.refs):
             self._escape(given)
 
@@ -370,7 +367,7 @@ class Calls(Conditions):
         return unknown_of(owner)
 
     def _list_method(self, node: ast.Call, owner: Value, name: str, args: list[Value]) -> Value:
-        now = self.sites.now(owner, self._function)
+        now = self._now(owner)
         shape = now.shape
         assert shape is not None
         if name in ("append", "insert"):
@@ -379,7 +376,7 @@ class Calls(Conditions):
             return NOTHING
         if name == "extend":
             if args:
-                self._store(owner, None, calls.element_of(self.sites.now(args[0], self._function)), grows=True)
+                self._store(owner, None, calls.element_of(self._now(args[0])), grows=True)
             return NOTHING
         if name in ("sort", "reverse"):
             self._store(owner, None, shape.any, grows=False)
@@ -405,7 +402,7 @@ class Calls(Conditions):
         if name == "copy":
             return owner.but(sites=self._site(node) | owner.sites)
         if name == "get" and owner.shape is not None and args:
-            found = self.sites.now(owner, self._function)
+            found = self._now(owner)
             assert found.shape is not None
             return join(found.shape.any, args[1] if len(args) > 1 else NOTHING)
         if name in ("keys", "values", "items"):

@@ -86,8 +86,8 @@ class Conditions(State):
         def narrowed(value: Value) -> Value:
             if value.kinds & ~ROW or value.shape is None:
                 return value
-            self.sites.now(value, self._function)
-            return change(value) if self.sites.are_unchanged(value) else value
+            self._now(value)
+            return change(value) if self._are_unchanged(value) else value
 
         self._narrow_name(node, narrowed)
 

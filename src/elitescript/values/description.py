@@ -109,10 +109,11 @@ class Shape:
         least, most: how many it has.
         depth: nesting of lists; 1 for a list of numbers.
         size: number of descriptions in it.
+        is_plain: no element has elements itself or is made anywhere, and each is computed.
         is_counted: the first element is the number of those behind it that hold a value.
     """
 
-    __slots__ = ("depth", "element", "is_counted", "items", "least", "most", "size")
+    __slots__ = ("depth", "element", "is_counted", "is_plain", "items", "least", "most", "size")
 
     def __init__(
         self,
@@ -125,12 +126,15 @@ class Shape:
         self.is_counted = is_counted
         if items is not None:
             least = most = len(items)
-            depth, size = 0, len(items)
+            depth, size, is_plain = 0, len(items), True
             for item in items:
                 inner = item.shape
                 if inner is not None:
                     size += inner.size
                     depth = max(depth, inner.depth)
+                    is_plain = False
+                elif item.sites or not item.kinds:
+                    is_plain = False
             if size <= SIZE_MAX:
                 self.items: tuple[Value, ...] | None = items
                 self.element: Value = BOTTOM
@@ -138,6 +142,7 @@ class Shape:
                 self.most: float = most
                 self.depth: int = 1 + depth
                 self.size: int = size
+                self.is_plain: bool = is_plain
                 return
             element = join_all(items)
         self.items = None
@@ -145,6 +150,7 @@ class Shape:
         self.least, self.most = least, most
         self.depth = 1 + (0 if element.shape is None else element.shape.depth)
         self.size = 1 + (0 if element.shape is None else element.shape.size)
+        self.is_plain = element.shape is None and not element.sites and bool(element.kinds)
 
     @property
     def any(self) -> Value:

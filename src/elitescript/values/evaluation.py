@@ -32,21 +32,49 @@ from elitescript.values.description import (
     widen,
 )
 from elitescript.values.expressions import Expressions
+from elitescript.values.memory import Memory, Record, StartAgain, VariableKey, agree
 from elitescript.values.references import ModuleType, Own, OwnClass
 from elitescript.values.state import DEPTH_MAX, EVALUATIONS_MAX, LOOP_WIDENED_AFTER, LOOPS_MAX, GivenUp, Locals, Loop
-from elitescript.values.store import Function
+from elitescript.values.store import Function, Site, SiteState
+
+
+class _Heads(dict[ast.AST, Locals]):
+    """Holds the states at the heads of the loops of one function; what was known before is read through."""
+
+    def __init__(self, before: dict[ast.AST, Locals]) -> None:
+        super().__init__()
+        self._before = before
+
+    def get(self, node: ast.AST, default: Any = None) -> Any:
+        return super().get(node) or self._before.get(node, default)
+
+
+def _by_key(state: Locals) -> dict[VariableKey, Value]:
+    return {variable.key: value for variable, value in state.items()}
 
 
 class Evaluation(Expressions):
-    """Evaluates one program, once; see `State` for its arguments."""
+    """Evaluates one program, once; see `State` for its arguments.
+
+    Attributes:
+        evaluated: the functions that were evaluated, each as often as it was.
+    """
 
     def run(self) -> None:
         """Evaluate the program.
 
         Raises:
             GivenUp: nothing is known of it.
+            StartAgain: it has to be evaluated without what is known of the version before.
         """
         self._mark_open_functions()
+        if self._memory is not None:
+            if any(scope.kind == "class" for scope in self.symbols.scopes):
+                # What is known of objects belongs to one version.
+                self._memory.forget()
+                self._memory = None
+            else:
+                self._memory.begin(self._circumstances())
         self._evaluate(self._function_of(self.symbols.body))
         self._settle()
         functions = [self._function_of(scope) for scope in self.symbols.scopes if scope.kind in ("function", "lambda")]
@@ -60,6 +88,9 @@ class Evaluation(Expressions):
                 function.is_open = True
                 self._evaluate(function)
                 self._settle()
+        if self._memory is not None:
+            self._memory.end()
+            self._memory = None
 
     def aside(self, node: ast.expr, scope: Scope) -> Value:
         """Return what an expression would be anywhere in a scope; for one that is not part of the text.
@@ -89,18 +120,70 @@ class Evaluation(Expressions):
         self._function, self._scope, self._is_lazy, self._repeated = function, function.scope, False, 0
         self._state, self._trail, self._loops, self._attempts = {}, [], [], []
         self._active.append(function)
-        node = function.scope.node
-        for name in function.scope.parameters:
-            variable = self.variable(name, function.scope)
-            if variable is not None:
-                self._assign(variable, self._argument(function, name))
-        if isinstance(node, ast.Lambda):
-            self._changed_result(function, self.expression(node.body))
-        elif self.block(function.scope.statements):
-            self._changed_result(function, NOTHING)
+        if self._memory is None:
+            self._go_through(function)
+        else:
+            self._go_through_once(function, self._memory)
         self._active.pop()
         self._function, self._scope, self._is_lazy, self._repeated = kept
         self._state, self._trail, self._loops, self._attempts = kept_state
+
+    def _go_through(self, function: Function) -> None:
+        node = function.scope.node
+        self.evaluated.append(function)
+        for name in function.scope.parameters:
+            variable = self.variable(name, function.scope)
+            if variable is not None:
+                self._assign(variable, self._argument(name))
+        if isinstance(node, ast.Lambda):
+            self._changed_result(self.expression(node.body))
+        elif self.block(function.scope.statements):
+            self._changed_result(NOTHING)
+
+    def _go_through_once(self, function: Function, memory: Memory) -> None:
+        """Evaluate a function, unless it was evaluated in the version before and all that it asks for is the same."""
+        log, values, depth, heads = self._log, self.values, self._depth, self._heads
+        base_depth = self._base_depth
+        self._log = None
+        situation = self._situation(function)
+        record = memory.known(function.scope, function.evaluations - 1, situation)
+        self._outer_values.append(values)
+        if record is None or not self._played_again(record, depth):
+            self._depth, self._repeated = depth, 0
+            self._log, self.values, self._heads = [], {}, _Heads(self._all_heads)
+            self._base_depth = depth
+            self._go_through(function)
+            changed = {node: _by_key(state) for node, state in self._heads.items()}
+            statements = tuple(function.scope.statements) if function.scope.kind == "body" else ()
+            record = Record(situation, statements, self._log, self.values, changed)
+        self._outer_values.pop()
+        self._all_values.update(record.values)
+        for node, state in record.heads.items():
+            self._all_heads[node] = {self._variable_at(key): value for key, value in state.items()}
+        memory.keep(function.scope, record)
+        self._log, self.values, self._depth, self._heads = log, values, depth, heads
+        self._base_depth = base_depth
+
+    def _played_again(self, record: Record, base_depth: int) -> bool:
+        """Do again what an evaluation has done; return whether all that it has asked for is the same."""
+        self._outer_values.append(record.values)
+        is_same = True
+        before: dict[Site, SiteState] = {}
+        for method, arguments, depth, repeated, answer in record.log:
+            self._depth, self._repeated = base_depth + depth, repeated
+            if method == "_put_into":
+                for site in self.sites.at(arguments[0].sites):
+                    before.setdefault(site, site.state())
+            if not agree(answer, getattr(self, method)(*arguments)):
+                is_same = False
+                break
+        self._outer_values.pop()
+        if not is_same:
+            for site, state in before.items():
+                if not site.is_for(self._function):
+                    raise StartAgain
+                site.restore(state)
+        return is_same
 
     # ---------------------------------------------------------------- statements
 
@@ -108,6 +191,7 @@ class Evaluation(Expressions):
         """Evaluate statements; return whether what stands behind them is reached."""
         is_reached = True
         for statement in statements:
+            self._stop_if_outdated()
             visit = _STATEMENTS.get(type(statement))
             if visit is not None:
                 if visit(self, statement) is False:
@@ -152,7 +236,7 @@ class Evaluation(Expressions):
         new = self._computed(node, node.op, old, operand)
         if isinstance(node.op, ast.Add) and old.kinds & LIST:
             # The list itself grows.
-            self._store(old, None, calls.element_of(self.sites.now(operand)), grows=True)
+            self._store(old, None, calls.element_of(self._now(operand, False)), grows=True)
             new = join(old, new) if old.kinds & ~LIST else old
         elif old.kinds & MUTABLE:
             self._escape(old)
@@ -168,7 +252,7 @@ class Evaluation(Expressions):
 
     def _return(self, node: ast.Return) -> bool:
         value = NOTHING if node.value is None else self.expression(node.value)
-        self._changed_result(self._function, value)
+        self._changed_result(value)
         return False
 
     def _raise(self, node: ast.Raise) -> bool:
@@ -239,7 +323,7 @@ class Evaluation(Expressions):
         return bool(leaving)
 
     def _for(self, node: ast.For) -> bool:
-        every = self.sites.now(self.expression(node.iter), self._function)
+        every = self._now(self.expression(node.iter))
         element = calls.element_of(every) if every.kinds else BOTTOM
 
         def once() -> bool:
@@ -398,7 +482,7 @@ class Evaluation(Expressions):
         made = self.symbols.scope_made_by(node)
         if variable is not None:
             is_plain = made is not None and not node.decorator_list
-            refs = (Own(made),) if is_plain and made is not None else None
+            refs = (Own(node),) if is_plain else None
             self._assign(variable, Value(FUNCTION, constants=(), refs=refs) if is_plain else UNKNOWN)
 
     def _class(self, node: ast.ClassDef) -> None:

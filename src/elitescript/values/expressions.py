@@ -55,7 +55,13 @@ class Expressions(Calls):
         """Return what an expression is, and note it."""
         kind = type(node)
         if kind is ast.Constant:
-            self.values[node] = value = self._constant(node)  # type: ignore[arg-type]
+            # Equal literals have one description.
+            written = node.value  # type: ignore[attr-defined]
+            key = (type(written), written)
+            value = self._literals.get(key)
+            if value is None:
+                value = self._literals[key] = constant(written)
+            self.values[node] = value
             return value
         visit = _EXPRESSIONS.get(kind)
         if visit is None:
@@ -70,15 +76,6 @@ class Expressions(Calls):
             value = visit(self, node)
             self._depth -= 1
         self.values[node] = value
-        return value
-
-    def _constant(self, node: ast.Constant) -> Value:
-        # Equal literals have one description.
-        written = node.value
-        key = (type(written), written)
-        value = self._literals.get(key)
-        if value is None:
-            value = self._literals[key] = constant(written)
         return value
 
     def _name(self, node: ast.Name) -> Value:
@@ -108,7 +105,7 @@ class Expressions(Calls):
 
     def _computed(self, node: ast.AST, op: ast.operator, left: Value, right: Value) -> Value:
         if left.sites or right.sites:
-            left, right = self.sites.now(left, self._function), self.sites.now(right, self._function)
+            left, right = self._now(left), self._now(right)
         makes_list = (left.kinds | right.kinds) & (LIST | DICT | SET)
         found = binary(op, left, right, self._site(node) if makes_list else NO_SITES, node if makes_list else None)
         if (left.kinds | right.kinds) & OBJECT:
@@ -135,7 +132,7 @@ class Expressions(Calls):
     def _unary(self, node: ast.UnaryOp) -> Value:
         operand = self.expression(node.operand)
         if operand.kinds & ROW:
-            operand = self.sites.now(operand, self._function)
+            operand = self._now(operand)
         if type(node.operand) is ast.Constant:
             key = (type(node.op), operand)
             value = self._literals.get(key)
@@ -191,11 +188,11 @@ class Expressions(Calls):
         return value
 
     def _comparison(self, node: ast.Compare) -> Value:
-        left = self.sites.now(self.expression(node.left), self._function)
+        left = self._now(self.expression(node.left))
         outcomes: list[bool | None] = []
         is_foreign = False
         for op, part in zip(node.ops, node.comparators, strict=True):
-            right = self.sites.now(self.expression(part), self._function)
+            right = self._now(self.expression(part))
             outcomes.append(compare(op, left, right))
             is_foreign = is_foreign or bool((left.kinds | right.kinds) & OBJECT)
             left = right
@@ -209,17 +206,20 @@ class Expressions(Calls):
         is_list = isinstance(node, ast.List)
         site = self._site(node) if is_list else NO_SITES
         items: list[Value] = []
-        is_long = len(node.elts) > SIZE_MAX
+        is_long, is_reached = len(node.elts) > SIZE_MAX, True
         for part in node.elts:
             if isinstance(part, ast.Starred):
                 is_long = True
-                items.append(calls.element_of(self.sites.now(self.expression(part.value), self._function)))
+                items.append(calls.element_of(self._now(self.expression(part.value))))
+                is_reached = is_reached and bool(items[-1].kinds)
                 continue
             value = self.expression(part)
-            if value.node is not part and value.kinds and value.shape is None and not value.has_constant:
+            if not value.kinds:
+                is_reached = False
+            elif value.node is not part and value.shape is None and not value.has_constant:
                 value = value.but(node=part)
             items.append(value)
-        if any(not item.kinds for item in items):
+        if not is_reached:
             return BOTTOM
         kind = LIST if is_list else TUPLE
         if is_long:
@@ -264,7 +264,7 @@ class Expressions(Calls):
             if default is not None:
                 self.expression(default)
         made = self.symbols.scope_made_by(node)
-        return Value(FUNCTION, constants=(), refs=None if made is None else (Own(made),))
+        return Value(FUNCTION, constants=(), refs=None if made is None else (Own(node),))
 
     def _comprehension(self, node: ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp) -> Value:
         outer, was_lazy = self._scope, self._is_lazy
@@ -272,7 +272,7 @@ class Expressions(Calls):
         mark = len(self._trail)
         least, most = 1.0, 1.0
         for number, generator in enumerate(node.generators):
-            every = self.sites.now(self.expression(generator.iter), self._function)
+            every = self._now(self.expression(generator.iter))
             if number == 0:
                 self._scope = made or outer
                 # What a generator computes is computed later, when its variables may have changed.
@@ -305,7 +305,7 @@ class Expressions(Calls):
     def _yield(self, node: ast.Yield | ast.YieldFrom) -> Value:
         if node.value is not None:
             self._escape(self.expression(node.value))
-        self._changed_result(self._function, SOME_OBJECT)
+        self._changed_result(SOME_OBJECT)
         return UNKNOWN
 
     def _starred(self, node: ast.Starred) -> Value:
@@ -326,7 +326,7 @@ class Expressions(Calls):
         return self._subscript_value(node)
 
     def _subscript_value(self, node: ast.Subscript) -> Value:
-        owner = self.sites.now(self.expression(node.value), self._function)
+        owner = self._now(self.expression(node.value))
         part = node.slice
         if isinstance(part, ast.Slice):
             ends = [None if end is None else self.expression(end) for end in (part.lower, part.upper, part.step)]
@@ -397,7 +397,7 @@ class Expressions(Calls):
             self._escape(value)
 
     def _unpack(self, target: ast.Tuple | ast.List, value: Value) -> None:
-        value = self.sites.now(value, self._function)
+        value = self._now(value)
         shape = value.shape
         parts: Sequence[Value] | None = None
         if shape is not None and not value.kinds & ~(ROW | RANGE):
@@ -417,7 +417,7 @@ class Expressions(Calls):
             for end in (part.lower, part.upper, part.step):
                 if end is not None:
                     self.expression(end)
-            self._store(owner, None, calls.element_of(self.sites.now(value, self._function)), grows=True)
+            self._store(owner, None, calls.element_of(self._now(value)), grows=True)
             return
         index = self.expression(part)
         place = index.constant if index.has_constant and index.kinds == INT else None
@@ -452,7 +452,6 @@ def _item(owner: Value, index: Value) -> Value:
 
 
 _EXPRESSIONS: Final[dict[type[ast.expr], Callable[[Expressions, Any], Value]]] = {
-    ast.Constant: Expressions._constant,
     ast.Name: Expressions._name,
     ast.BinOp: Expressions._binary,
     ast.UnaryOp: Expressions._unary,

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
 from elitescript.values.description import DEPTH_MAX, UNKNOWN, Shape, Value
 from elitescript.values.evaluation import Evaluation
+from elitescript.values.memory import Memory, StartAgain
 from elitescript.values.state import GivenUp
 
 
@@ -18,19 +20,44 @@ class Values:
     Args:
         symbols: of its text.
         presets: names of globals that have a value before the program begins.
+        stop_if_outdated: called before each statement; what it raises ends the evaluation.
+        memory: of the version before, from which it takes what has not changed; gets what is known of this one.
+        profile: the firmware that it is for; the newest without.
 
     Attributes:
         is_known: False if the program is nested too deep, or takes too long: then everything is unknown.
     """
 
-    def __init__(self, symbols: Symbols, presets: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        symbols: Symbols,
+        presets: Collection[str] = (),
+        stop_if_outdated: Callable[[], object] = bool,
+        memory: Memory | None = None,
+        profile: Profile = PROFILES[DEFAULT_FIRMWARE],
+    ) -> None:
         self.symbols = symbols
-        self._evaluation = Evaluation(symbols, presets)
+        self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory, profile)
         self.is_known = True
         try:
-            self._evaluation.run()
+            try:
+                self._evaluation.run()
+            except StartAgain:
+                assert memory is not None
+                memory.forget()
+                self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory, profile)
+                self._evaluation.run()
         except (GivenUp, RecursionError):
             self.is_known = False
+
+    @property
+    def evaluated_functions(self) -> list[str]:
+        """The names of the functions that were evaluated, each as often as it was; others are as they were."""
+        return [function.scope.name for function in self._evaluation.evaluated]
+
+    def release(self) -> None:
+        """Let go of what is known: functions know those that have read what they return."""
+        self._evaluation.release()
 
     def of(self, node: ast.expr) -> Value:
         """Return what an expression of the program is."""
@@ -77,12 +104,10 @@ class Values:
             return value
         if depth > DEPTH_MAX:
             return value.but(shape=None)
+        if shape.is_plain:
+            return value
         if shape.items is None:
-            if not (shape.element.sites or shape.element.shape is not None) and shape.element.kinds:
-                return value
             element = self._complete(shape.element, depth + 1)
             return value.but(shape=Shape(None, element, shape.least, shape.most, shape.is_counted))
-        if not any(item.sites or item.shape is not None or not item.kinds for item in shape.items):
-            return value
         items = tuple(self._complete(item, depth + 1) for item in shape.items)
         return value.but(shape=Shape(items, is_counted=shape.is_counted))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from typing import Any
 
 from elitescript.language.scopes import Scope
@@ -9,9 +10,9 @@ from elitescript.records import NamedTuple
 
 
 class Own(NamedTuple):
-    """A function of the program, by its scope."""
+    """A function or lambda of the program."""
 
-    scope: Scope
+    node: ast.AST
 
 
 class OwnClass(NamedTuple):

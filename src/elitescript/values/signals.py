@@ -16,12 +16,12 @@ _PLAIN_ARGUMENTS: Final = 5
 
 
 class Signals:
-    """The kinds of the values of signals, by name."""
+    """The kinds of the values of signals, by name; None if any signal may be of any kind."""
 
-    __slots__ = ("_kinds",)
+    __slots__ = ("kinds",)
 
     def __init__(self, symbols: Symbols) -> None:
-        self._kinds: dict[str, int] | None = {}
+        self.kinds: dict[str, int] | None = {}
         for scope in symbols.scopes:
             if not any(adder in scope.reads for adder in _ADDERS):
                 continue
@@ -38,8 +38,8 @@ class Signals:
         name = given.get("signal_name") or (call.args[place] if len(call.args) > place else None)
         if not isinstance(name, ast.Constant) or type(name.value) is not str or None in given:
             # It may be any signal.
-            self._kinds = None
-        if self._kinds is None:
+            self.kinds = None
+        if self.kinds is None:
             return
         assert isinstance(name, ast.Constant)
         kind = BOOL | INT | LIST
@@ -47,13 +47,13 @@ class Signals:
             written = call.args[3]
             number = written.value if isinstance(written, ast.Constant) else None
             kind = BOOL if number in _COILS else INT if number in _REGISTERS else kind
-        self._kinds[str(name.value)] = self._kinds.get(str(name.value), 0) | kind
+        self.kinds[str(name.value)] = self.kinds.get(str(name.value), 0) | kind
 
     def narrowed(self, value: Value, name: Value) -> Value:
         """Return what the value of a signal is, by the description of its name."""
-        if self._kinds is None or name.kinds != TEXT or not name.has_constant:
+        if self.kinds is None or name.kinds != TEXT or not name.has_constant:
             return value
-        kinds = self._kinds.get(name.constant, 0) & value.kinds
+        kinds = self.kinds.get(name.constant, 0) & value.kinds
         if not kinds or kinds & LIST:
             return value
         if kinds == BOOL:

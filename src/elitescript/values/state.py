@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections import deque
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
@@ -13,6 +13,7 @@ from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.options import LINE, SCRIPT, SECONDARY
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import THREAD_STARTER, Symbols
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
 from elitescript.values.description import (
     BOTTOM,
     DICT,
@@ -24,6 +25,7 @@ from elitescript.values.description import (
     join,
     reach,
 )
+from elitescript.values.memory import BODY, Entry, Memory, VariableKey
 from elitescript.values.references import OwnClass
 from elitescript.values.signals import Signals
 from elitescript.values.store import Cell, Function, Sites, Variable
@@ -72,22 +74,45 @@ class State:
     Args:
         symbols: of its text.
         presets: names of globals that have a value before the program begins.
+        stop_if_outdated: see `Values`.
+        memory: what is known of the version before.
+        profile: the firmware that it is for.
 
     Attributes:
         values: what each expression is.
     """
 
-    def __init__(self, symbols: Symbols, presets: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        symbols: Symbols,
+        presets: Collection[str] = (),
+        stop_if_outdated: Callable[[], object] = bool,
+        memory: Memory | None = None,
+        profile: Profile = PROFILES[DEFAULT_FIRMWARE],
+    ) -> None:
         self.symbols = symbols
         self.presets = presets
+        self.profile = profile
+        self._stop_if_outdated = stop_if_outdated
+        self._memory = memory
+        self._log: list[Entry] | None = None
+        """What the function that is evaluated has asked and changed; None if that is not kept."""
         self.values: dict[ast.AST, Value] = {}
-        self.sites = Sites()
+        self._outer_values: list[dict[ast.AST, Value]] = []
+        """With a memory: those of all functions, and of functions of which evaluations are under way."""
+        self.evaluated: list[Function] = []
+        self.sites = Sites(None if memory is None else memory.numbers)
         self._functions: dict[Scope, Function] = {}
         self._variables: dict[tuple[Scope | None, str], Variable] = {}
         self._names: dict[Scope, dict[str, Variable | None]] = {}
         self._literals: dict[tuple[type, Any], Value] = {}
         """Of literals, by type and value, and of signs with the description of a literal behind them."""
         self._heads: dict[ast.AST, Locals] = {}
+        self._all_values, self._all_heads = self.values, self._heads
+        """Of all functions; with a memory each evaluation has its own besides."""
+        self._known_meanings: dict[Function, list[Any]] = {}
+        self._base_depth = 0
+        """Nesting around the function that is evaluated."""
         self._builtins: dict[str, Value] = {}
         self._results: dict[ast.AST, Value] = {}
         self._waiting: deque[Function] = deque()
@@ -114,6 +139,74 @@ class State:
         """Whether names may be defined that the text does not show."""
         self._has_interpreter = self._is_read(_INTERPRETING)
         self._has_foreign_readers = self._is_read(*_READING)
+
+    # ---------------------------------------------------------------- what is kept of an evaluation
+
+    def _logged(self, method: str, *arguments: Any) -> Any:
+        """Do what a method does, and note that in the log."""
+        log, self._log = self._log, None
+        depth, repeated = self._depth, self._repeated
+        answer = getattr(self, method)(*arguments)
+        self._log = log
+        assert log is not None
+        log.append(Entry(method, arguments, depth - self._base_depth, repeated, answer))
+        return answer
+
+    def release(self) -> None:
+        """Let go of what functions know of each other."""
+        for function in self._functions.values():
+            function.result.readers.clear()
+
+    def _circumstances(self) -> Any:
+        """Return what all evaluations of the program depend on, besides its functions."""
+        return (
+            frozenset(self.presets),
+            self.profile.name,
+            self._has_foreign_writers,
+            self._is_a_part,
+            self._has_interpreter,
+            self._has_foreign_readers,
+            self.signals.kinds,
+        )
+
+    def _situation(self, function: Function) -> Any:
+        """Return what an evaluation of a function depends on, besides its text and what it asks for."""
+        # Nesting matters where it comes near to what is followed.
+        return function.is_open, max(0, self._depth - CALLED_AT_MOST // 2), self._meanings(function)
+
+    def _meanings(self, function: Function) -> list[Any]:
+        """Return what the names of a function mean."""
+        found = self._known_meanings.get(function)
+        if found is None:
+            found = self._known_meanings[function] = []
+            scopes = [function.scope]
+            for scope in scopes:
+                for name in (*scope.reads, *scope.bindings):
+                    variable = self.variable(name, scope)
+                    found.append(None if variable is None else (variable.key, variable.is_shared))
+                scopes += [inner for inner in scope.children if inner.kind == "comprehension"]
+        return found
+
+    def _function_at(self, node: ast.AST) -> Function:
+        scope = self.symbols.scope_made_by(node)
+        assert scope is not None
+        return self._function_of(scope)
+
+    def _variable_at(self, key: VariableKey) -> Variable:
+        home, name = key
+        scope = self.symbols.body if home is BODY else self.symbols.scope_made_by(home) if home else None
+        variable = self._variables.get((scope, name)) or self._new_variable(scope, name)
+        assert isinstance(variable, Variable)
+        return variable
+
+    def _noted(self, node: ast.AST) -> Value:
+        """Return what was noted of an expression, of any function."""
+        found = self.values.get(node)
+        for values in reversed(self._outer_values):
+            if found is not None:
+                break
+            found = values.get(node)
+        return UNKNOWN if found is None else found
 
     def _changed(self, readers: Collection[Function]) -> None:
         for reader in readers:
@@ -169,14 +262,15 @@ class State:
 
     def _new_variable(self, home: Scope | None, name: str) -> Variable:
         if home is None:
-            variable = Variable(name, None, True)
+            variable = Variable(name, (None, name), None, True)
             is_foreign = self._has_foreign_writers or name in self.presets
             if is_foreign or not self.symbols.global_bindings(name):
                 variable.cell.add(UNKNOWN)
         else:
             owner = self.owner(home)
             is_shared = self._has_interpreter or self.symbols.is_nonlocal_inside(name, home)
-            variable = Variable(name, owner, is_shared)
+            node = BODY if home.kind == "body" else home.node
+            variable = Variable(name, (node, name), owner, is_shared)
             if self._has_interpreter:
                 variable.cell.add(UNKNOWN)
         self._variables[home, name] = variable
@@ -211,8 +305,11 @@ class State:
 
     # ---------------------------------------------------------------- functions
 
-    def _argument(self, function: Function, name: str) -> Value:
-        """Return what a parameter can be."""
+    def _argument(self, name: str) -> Value:
+        """Return what a parameter of the function can be."""
+        if self._log is not None:
+            return self._logged("_argument", name)  # type: ignore[no-any-return]
+        function = self._function
         arguments = function.arguments
         if arguments is not None:
             if arguments.vararg is not None and arguments.vararg.arg == name:
@@ -230,7 +327,12 @@ class State:
             cell = function.parameters[name] = Cell()
         return cell.value
 
-    def _changed_result(self, function: Function, value: Value) -> None:
+    def _changed_result(self, value: Value) -> None:
+        """Note that the function returns a value."""
+        if self._log is not None:
+            self._logged("_changed_result", value)
+            return
+        function = self._function
         if function.is_open and (value.sites or value.shape is not None):
             self._escape(value)
         if function.result.add(value):
@@ -239,16 +341,26 @@ class State:
     # ---------------------------------------------------------------- state
 
     def _assign(self, variable: Variable, value: Value) -> None:
-        if self._has_foreign_readers:
-            self._escape(value)
-        cell = variable.cell
-        if cell.value is not value and cell.add(value) and cell.readers:
-            self._changed(cell.readers)
+        if self._log is None:
+            self._put(variable, value)
+        else:
+            self._logged("_put_at", variable.key, value)
         if variable.owner is self._function and not variable.is_shared:
             self._set(variable, value)
             if self._attempts:
                 attempt = self._attempts[-1]
                 attempt[variable] = join(attempt.get(variable, BOTTOM), value)
+
+    def _put(self, variable: Variable, value: Value) -> None:
+        """Note that a variable gets a value, for all that may read it."""
+        if self._has_foreign_readers:
+            self._escape(value)
+        cell = variable.cell
+        if cell.value is not value and cell.add(value) and cell.readers:
+            self._changed(cell.readers)
+
+    def _put_at(self, key: VariableKey, value: Value) -> None:
+        self._put(self._variable_at(key), value)
 
     def _set(self, variable: Variable, value: Value) -> None:
         state = self._state
@@ -292,17 +404,42 @@ class State:
             value = self._state.get(variable)
             if value is not None:
                 return value
+        if self._log is not None:
+            return self._logged("_shared_at", variable.key)  # type: ignore[no-any-return]
         cell = variable.cell
-        cell.readers.add(self._function)
+        cell.readers[self._function] = None
         return cell.value
+
+    def _shared_at(self, key: VariableKey) -> Value:
+        cell = self._variable_at(key).cell
+        cell.readers[self._function] = None
+        return cell.value
+
+    def _now(self, value: Value, is_reader: bool = True) -> Value:
+        """Return the description of a list with what is put in later; see `Sites.now`."""
+        if not value.sites or value.shape is None:
+            return value
+        if self._log is not None:
+            return self._logged("_now", value, is_reader)  # type: ignore[no-any-return]
+        return self.sites.now(value, self._function if is_reader else None)
+
+    def _are_unchanged(self, value: Value) -> bool:
+        if self._log is not None:
+            return self._logged("_are_unchanged", value)  # type: ignore[no-any-return]
+        return self.sites.are_unchanged(value)
 
     def _site(self, node: ast.AST) -> frozenset[int]:
         """Return the place that makes a list or dict here."""
+        if self._log is not None:
+            return self._logged("_site", node)  # type: ignore[no-any-return]
         return self.sites.made_by(node, None if self._repeated else self._function)
 
     def _escape(self, value: Value) -> None:
         """Note that unknown code gets a value, and may change the lists in it."""
         if value.sites or value.shape is not None:
+            if self._log is not None:
+                self._logged("_escape", value)
+                return
             sites = reach(value)
             if sites:
                 self._changed(self.sites.open(sites))
@@ -321,12 +458,20 @@ class State:
         """Note that something is put into a list or dict."""
         if not owner.kinds & MUTABLE:
             return
+        if self._log is None:
+            self._put_into(owner, index, value, grows)
+        else:
+            self._logged("_put_into", owner, index, value, grows)
+
+    def _put_into(self, owner: Value, index: int | None, value: Value, grows: bool) -> None:
         if owner.kinds & OBJECT or owner.shape is None:
             self._escape(value)
+        for site in self.sites.at(owner.sites):
+            site.is_shared = site.is_shared or site.maker is not self._function
         readers = self.sites.store(owner, index, value, grows=grows)
         # What was read of a new list before it is changed has been right, unless it all comes again.
         is_new = all(site.maker is self._function for site in self.sites.at(owner.sites))
         if is_new and not self._repeated:
-            readers.discard(self._function)
+            readers.pop(self._function, None)
         if readers:
             self._changed(readers)

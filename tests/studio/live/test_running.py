@@ -137,6 +137,20 @@ class TestTexts:
         assert not problems["compiles"]
         assert problems["list"][0]["line"] == 2
 
+    @pytest.mark.parametrize(("lines", "messages"), [(5, [["E304", "W201"]]), (3, [["W201"], ["E304", "W201"]])])
+    def test_what_needs_no_values_of_a_long_one_comes_first(self, monkeypatch, lines, messages):
+        monkeypatch.setattr(running, "LONG_LINES", lines)
+        link = reported('def job():\n  sleep("x" + "y")\n  x = nonsense\nend\n')
+        assert [[found["code"] for found in message["list"]] for message in link.of("problems")] == messages
+        assert [message["compiles"] for message in link.of("problems")] == [True] * len(messages)
+        kinds = [message["type"] for message in link.messages]
+        assert kinds.index("run_began") > len(messages)
+
+    def test_nothing_comes_first_of_a_long_one_where_nothing_is_found(self, monkeypatch):
+        monkeypatch.setattr(running, "LONG_LINES", 3)
+        link = reported('def job():\n  sleep("x" + "y")\n  x = 1\nend\n')
+        assert [[found["code"] for found in message["list"]] for message in link.of("problems")] == [["E304"]]
+
     def test_one_with_errors_that_it_may_catch_is_run(self):
         link = reported("def job():\n  set_standard_digital_out(99, True)\nend\n")
         assert link.one("problems")["compiles"]

@@ -157,6 +157,16 @@ class Number(Quantity):
             raise self.out_of_range(value, "a number that fits a float") from None
 
 
+class AsGiven(Number):
+    """A finite number that fits a float; an int stays one."""
+
+    __slots__ = ()
+
+    def coerce(self, value: Any) -> float:
+        number = super().coerce(value)
+        return int(value) if isinstance(value, int) else number
+
+
 class Integer(Quantity):
     """An int."""
 
@@ -258,6 +268,8 @@ class Anything(Quantity):
 
 
 _FLOAT: Final = frozenset({float})
+_FLOAT_OR_INT: Final = frozenset({float, int})
+_LARGE: Final = 1e300
 _PLURALS: Final = {"float": "numbers", "int": "ints", "bool": "bools"}
 
 
@@ -305,8 +317,11 @@ class Vector(Quantity):
                 hint=JOINED if self.count == _SIX and len(value) > _SIX and len(value) % _SIX == 0 else None,
             )
         items = tuple(value)
-        if self._takes_any_finite and _FLOAT.issuperset(map(type, items)) and all(map(isfinite, items)):
-            return items
+        if self._takes_any_finite:
+            if _FLOAT.issuperset(map(type, items)) and all(map(isfinite, items)):
+                return items
+            if _FLOAT_OR_INT.issuperset(map(type, items)) and all(-_LARGE < item < _LARGE for item in items):
+                return tuple(map(float, items))
         coerce = self.element.coerce
         result = []
         for index, item in enumerate(items):

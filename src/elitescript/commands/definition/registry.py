@@ -149,6 +149,7 @@ class Command:
         "since",
         "spellings",
         "takes_more",
+        "takes_profile",
         "takes_robot",
         "waits",
         "works_in_sec",
@@ -187,7 +188,10 @@ class Command:
         self.is_simulated = is_simulated
         self.manual = manual
         code = function.__code__
-        self.takes_robot = code.co_argcount > 0 and code.co_varnames[0] == "robot"
+        first = code.co_varnames[0] if code.co_argcount else ""
+        self.takes_robot = first == "robot"
+        self.takes_profile = first == "profile"
+        """Whether its result depends on the firmware beside its arguments."""
         self.takes_more = bool(code.co_flags & _VARIADIC)
         """Whether arguments beyond the signature are passed on as they are."""
         self._details: _Details | None = None
@@ -252,6 +256,8 @@ class Command:
         details = self._details or self.details
         coercions = details.coercions
         values: list[Any] = []
+        if kwargs and (len(args), *kwargs) in details.ordered:
+            args, kwargs = (*args, *kwargs.values()), {}
         try:
             if len(args) == len(coercions) and not kwargs:
                 for coerce, value in zip(coercions, args):  # noqa: B905  a keyword costs as much as one argument
@@ -287,7 +293,12 @@ class Command:
         if details.judged and robot is not None and (doubts := self._doubts(robot, values)):
             robot.hold_doubts(doubts)
         try:
-            result = self.function(robot, *values) if self.takes_robot else self.function(*values)
+            if self.takes_robot:
+                result = self.function(robot, *values)
+            elif self.takes_profile:
+                result = self.function(robot.profile, *values)
+            else:
+                result = self.function(*values)
         except ScriptError as error:
             if error.command is None:
                 error.command = self.name
@@ -406,6 +417,8 @@ class Command:
                 raise ArgumentCountError(misfits[0].text, command=self.name, hint=self.call_hint)
             if len(forms) < FORMS_MAX:
                 forms[form] = slots
+                if slots[: len(args) + len(kwargs)] == (*range(len(args)), *kwargs):
+                    self.details.ordered.add(form)
         values = [_OMITTED if slot is None else kwargs[slot] if isinstance(slot, str) else args[slot] for slot in slots]
         return [*values, *args[len(values) :]]
 
@@ -425,6 +438,7 @@ class _Details:
         "indices",
         "judged",
         "kind",
+        "ordered",
         "params",
         "raises",
         "required",
@@ -451,7 +465,7 @@ class _Details:
         first_default = len(names) - len(defaults)
         params = []
         for index, name in enumerate(names):
-            if index == 0 and command.takes_robot:
+            if index == 0 and (command.takes_robot or command.takes_profile):
                 continue
             quantity = _quantity(function, name)
             if quantity is None or name not in texts:
@@ -468,6 +482,8 @@ class _Details:
         """Index of the parameter that a keyword means."""
         self.forms: dict[tuple[int | str, ...], tuple[int | str | None, ...]] = {}
         """Slots of calls that were right, by their number of arguments and their keywords; see `Command.place`."""
+        self.ordered: set[tuple[int | str, ...]] = set()
+        """Those of `forms` whose arguments are in the order of the first parameters: they are bound by position."""
         self.returns = _quantity(function, "return") or Anything("None")
         elements = self.returns.names if isinstance(self.returns, Vector) else ""
         self.result = _result(function)
@@ -575,8 +591,8 @@ def command(
 ) -> Callable[[Function], Function]:
     """Register the decorated function as a robot command.
 
-    A first parameter called `robot` receives the `Robot` context and is not part of the script's signature;
-    `*more` receives what a call passes beyond the signature.
+    A first parameter called `robot` receives the `Robot` context, one called `profile` that of the firmware; neither is
+    part of the script's signature. `*more` receives what a call passes beyond the signature.
 
     Args:
         family: chapter of the manual; see `page.CHAPTERS`.

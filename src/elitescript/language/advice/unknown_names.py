@@ -151,8 +151,8 @@ def _visible(name: str, scope: Scope, symbols: Symbols, names: Names) -> set[str
 
 def owner_of(name: str, symbols: Symbols) -> Scope | None:
     """Return a function that has a local variable of that name."""
-    functions = (scope for scope in symbols.scopes if scope.kind == "function")
-    return next((scope for scope in functions if scope.has_local(name) and name not in scope.parameters), None)
+    functions = (scope for scope in symbols.owners(name) if scope.kind == "function")
+    return next((scope for scope in functions if name not in scope.parameters), None)
 
 
 class Meant:

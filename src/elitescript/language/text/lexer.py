@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
+from collections.abc import Callable
 from functools import cache
 from keyword import kwlist
 from typing import Final
@@ -26,6 +27,9 @@ CLOSER_OF = {"(": ")", "[": "]", "{": "}"}
 # Reading again behind an open bracket or inside a formatted string costs time in proportion to
 # the text; after this number of times nothing is read again.
 _MAX_RESCANS = 20
+
+# Nesting of brackets in lines that are read at once.
+_PLAIN_DEPTH = 4
 
 # No expression can contain one of these words at the start of a line, so they prove that a
 # bracket above was never closed.
@@ -172,6 +176,24 @@ def structure_pattern() -> re.Pattern[str]:
 
 
 @cache
+def _plain_line() -> re.Pattern[str]:
+    """Return the pattern of a logical line of one physical line without strings, comments and flaws: most lines."""
+    other = r"""[^()\[\]{}\n\#'"\\]*+"""
+    inside = other
+    for _ in range(_PLAIN_DEPTH):
+        inside = rf"{other}(?:(?:\({inside}\)|\[{inside}\]|\{{{inside}\}}){other})*+"
+    return re.compile(rf"{inside}\n")
+
+
+LONG_TEXT: Final = 8000
+"""Characters of a text from which on plain lines are read at once."""
+
+
+def _no_plain_line(text: str, position: int) -> None:
+    """Find no plain line: each is read sign by sign, with the same result."""
+
+
+@cache
 def _blank() -> re.Pattern[str]:
     return re.compile(r"[ \t\f]*")
 
@@ -184,10 +206,13 @@ def _word(pattern: str) -> re.Pattern[str]:
 class TextScanner:
     """Finds the logical lines of a text; `WideScanner` also reads signs of input methods."""
 
-    __slots__ = ("blank", "broken", "fills", "lexed", "line", "rescans", "search", "signs", "stack", "text")
+    __slots__ = ("blank", "broken", "fills", "lexed", "line", "plain", "rescans", "search", "signs", "stack", "text")
 
     def __init__(self, text: str) -> None:
         self.text = text
+        # Making the pattern takes as long as reading a text of that length without it.
+        is_long = len(text) >= LONG_TEXT
+        self.plain: Callable[[str, int], re.Match[str] | None] = _plain_line().match if is_long else _no_plain_line
         self.rescans = 0
         self.blank = _blank().match
         self.search = structure_pattern().search
@@ -205,8 +230,9 @@ class TextScanner:
 
     def scan(self) -> Lexed:
         text, lexed = self.text, self.lexed
-        blank, word = self.blank, _word(name_pattern(text)).match
+        blank, word, plain = self.blank, _word(name_pattern(text)).match, self.plain
         position, size = 0, len(text)
+        split = 0
         while position < size:
             found = blank(text, position)
             start = found.end() if found else position
@@ -216,18 +242,29 @@ class TextScanner:
             if first == "\n":
                 self.line += 1
                 position = start + 1
+                split = 0
             elif first == "#" or (first == "\uff03" and self._notes_comment(start)):
                 position = self._comment(start)
+                split = 0
             elif first == "\\" and text[start + 1 : start + 2] == "\n":
+                # As Python's tokenizer has it: the first blanks before a backslash indent what stands below.
+                split = split or indentation_width(text[position:start])
                 self._fill(start, start + 2, " ")
                 self.line += 1
                 position = start + 2
             else:
-                logical = LogicalLine(start, self.line, indentation_width(text[position:start]))
+                logical = LogicalLine(start, self.line, split or indentation_width(text[position:start]))
+                split = 0
                 if named := word(text, start):
                     logical.word = named.group()
                 self._begins(logical, position)
-                position = self._logical_line(logical)
+                if (whole := plain(text, start)) is not None:
+                    position = whole.end()
+                    logical.end = start + max(1, self._code_size(text[start : position - 1]))
+                    logical.last_line = self.line
+                    self.line += 1
+                else:
+                    position = self._logical_line(logical)
                 lexed.lines.append(logical)
         lexed.masked = self._masked()
         self._ends()

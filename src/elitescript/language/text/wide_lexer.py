@@ -29,6 +29,8 @@ class WideScanner(TextScanner):
         """Offsets of corner brackets that close a list."""
         self.blank = blank_with_wide_signs().match
         self.search = structure_with_wide_signs().search
+        # What is plain is not known before a line is read.
+        self.plain = lambda text, position: None
 
     def _begins(self, logical: LogicalLine, position: int) -> None:
         before = self.text[position : logical.start]

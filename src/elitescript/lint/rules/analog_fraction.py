@@ -16,7 +16,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
-@rule(code="W234", since="0.2")
+@rule(code="W234", since="0.2", needs_values=True)
 def analog_fraction(program: AnalysedProgram) -> Iterator[Finding]:
     """Report levels of analog outputs outside their range."""
     return doubt_findings(program, "W234")

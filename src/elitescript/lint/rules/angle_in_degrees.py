@@ -17,7 +17,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
-@rule(code="W230", since="0.2")
+@rule(code="W230", since="0.2", needs_values=True)
 def angle_in_degrees(program: AnalysedProgram) -> Iterator[Finding]:
     """Report joint positions and orientations that are degrees."""
     return doubt_findings(program, "W230")

@@ -17,7 +17,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="E305", since="0.1")
+@rule(code="E305", since="0.1", needs_values=True)
 def argument_range(program: AnalysedProgram) -> Iterator[Finding]:
     """Report arguments of the right type whose value is refused."""
     for refusal in program.refusals:

@@ -17,7 +17,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="E304", since="0.1")
+@rule(code="E304", since="0.1", needs_values=True)
 def argument_type(program: AnalysedProgram) -> Iterator[Finding]:
     """Report arguments of the wrong type or length."""
     for refusal in program.refusals:

@@ -30,7 +30,7 @@ _ROOM: Final = 1e-3
 """Relative tolerance of the radius, for rounded numbers."""
 
 
-@rule(code="W235", since="0.2")
+@rule(code="W235", since="0.2", needs_values=True)
 def blend_too_long(program: AnalysedProgram) -> Iterator[Finding]:
     """Report radii that reach back further than the middle of their move."""
     places = TargetPlaces(program)

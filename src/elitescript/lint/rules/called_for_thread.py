@@ -34,7 +34,7 @@ def called_for_thread(program: AnalysedProgram) -> Iterator[Finding]:
         if found.command.name != _START or not placed.given:
             continue
         _, node = placed.given[0]
-        if isinstance(node, ast.Call) and Flow(program).never_returns(node):
+        if isinstance(node, ast.Call) and program.derived(Flow).never_returns(node):
             called = ast.unparse(node.func)
             text = said(
                 "{start}: `{called}` runs here and never ends, so that no thread is started",

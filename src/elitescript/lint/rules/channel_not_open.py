@@ -32,7 +32,7 @@ _TEXTS: Final = ("str", "name", "var_name", "value")
 """Parameters for what is sent, which stand before the name."""
 
 
-@rule(code="W246", since="0.3", needs_all_lines=True)
+@rule(code="W246", since="0.3", needs_all_lines=True, needs_values=True)
 def channel_not_open(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each use of such a name."""
     called = program.derived(CalledCommands)

@@ -30,7 +30,7 @@ _DEPTH_MAX: Final = 5
 """Functions around a call that are followed."""
 
 
-@rule(code="W247", since="0.3")
+@rule(code="W247", since="0.3", needs_values=True)
 def channel_of_another_server(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each `socket_open` of another address."""
     called = program.derived(CalledCommands)

@@ -30,6 +30,9 @@ from elitescript.said import said
 @rule(code="W217", since="0.2")
 def duplicate_function(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each later definition."""
+    names = [node.name for node in program.nodes(ast.FunctionDef)]
+    if len(set(names)) == len(names):
+        return
     for scope in program.symbols.scopes:
         for block in _blocks(scope.statements):
             latest: dict[str, ast.FunctionDef] = {}

@@ -32,7 +32,7 @@ _WAIT: Final = "sleep"
 _EFFECTS: Final = ("set_", "write_", "move", "modbus_set_output_", "socket_send_", "serial_write", "tool_serial_write")
 
 
-@rule(code="N222", since="0.3", needs_all_lines=True)
+@rule(code="N222", since="0.3", needs_all_lines=True, needs_values=True)
 def ended_thread(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first such statement of each thread."""
     if program.parsed.kind not in (PROGRAM, SCRIPT):

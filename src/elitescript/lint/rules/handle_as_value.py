@@ -30,7 +30,7 @@ from elitescript.values.results import HANDLE
 _TAKING: Final = ("stop_thread", "join_thread", "start_thread")
 
 
-@rule(code="W254", since="0.3")
+@rule(code="W254", since="0.3", needs_values=True)
 def handle_as_value(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such use."""
     arguments: dict[ast.expr, str] = {}

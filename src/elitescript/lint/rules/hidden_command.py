@@ -72,9 +72,5 @@ def _is_missed(name: str, first: Binding, scope: Scope, program: AnalysedProgram
     if first.kind in ("def", "class", "parameter"):
         return False
     home = scope if scope.has_local(name) else None
-    for other in program.symbols.scopes:
-        for read in other.reads.get(name, ()):
-            call = program.symbols.parent(read)
-            if getattr(call, "func", None) is read and other.home(name) is home:
-                return True
-    return False
+    reads = program.symbols.reads_of(name, home)
+    return any(getattr(program.symbols.parent(read), "func", None) is read for read in reads)

@@ -32,6 +32,7 @@ _SHORTEST: Final = 2
 @rule(code="W258", since="0.3", needs_all_lines=True)
 def hidden_variable(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first assignment of each such variable."""
+    are_read: dict[tuple[str, Scope], bool] = {}
     for scope in program.symbols.scopes:
         if scope.kind != "function" or scope.parent is None:
             continue
@@ -42,12 +43,11 @@ def hidden_variable(program: AnalysedProgram) -> Iterator[Finding]:
             if first.kind not in _ASSIGNMENTS or not scope.has_local(name) or name in scope.parameters:
                 continue
             home = scope.parent.home(name)
-            if (
-                home is None
-                or home.kind == "class"
-                or program.symbols.reads_of(name, scope)
-                or not _is_read_by_others(name, home, program)
-            ):
+            if home is None or home.kind == "class" or program.symbols.reads_of(name, scope):
+                continue
+            if (name, home) not in are_read:
+                are_read[name, home] = _is_read_by_others(name, home, program)
+            if not are_read[name, home]:
                 continue
             from elitescript.lint.insertions import declare
 

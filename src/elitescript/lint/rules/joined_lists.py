@@ -17,7 +17,7 @@ from elitescript.lint.registry import Finding, rule, shown_source
 from elitescript.said import said
 
 
-@rule(code="W243", since="0.3")
+@rule(code="W243", since="0.3", needs_values=True)
 def joined_lists(program: AnalysedProgram) -> Iterator[Finding]:
     """Report sums and products of poses and joint positions."""
     for node, joined in program.joined_lists.items():

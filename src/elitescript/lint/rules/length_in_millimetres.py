@@ -17,7 +17,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
-@rule(code="W231", since="0.2")
+@rule(code="W231", since="0.2", needs_values=True)
 def length_in_millimetres(program: AnalysedProgram) -> Iterator[Finding]:
     """Report positions, tools, radii and centres of gravity beyond what any arm reaches."""
     return doubt_findings(program, "W231")

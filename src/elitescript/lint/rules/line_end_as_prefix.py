@@ -21,7 +21,7 @@ from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
 
 
-@rule(code="W248", since="0.3")
+@rule(code="W248", since="0.3", needs_values=True)
 def line_end_as_prefix(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such reading."""
     called = program.derived(CalledCommands)

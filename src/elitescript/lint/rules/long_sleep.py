@@ -21,7 +21,7 @@ from elitescript.said import said
 _LONG_S: Final = 100
 
 
-@rule(code="N226", since="0.3")
+@rule(code="N226", since="0.3", needs_values=True)
 def long_sleep(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such sleep."""
     for called in program.derived(CalledCommands).of("sleep"):

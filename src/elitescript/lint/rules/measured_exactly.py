@@ -21,7 +21,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W242", since="0.3")
+@rule(code="W242", since="0.3", needs_values=True)
 def measured_exactly(program: AnalysedProgram) -> Iterator[Finding]:
     """Report `==` and `!=` with a measured value."""
     if program.nodes(ast.Compare):

@@ -21,7 +21,7 @@ from elitescript.said import said
 _WRITERS: Final = ("write_port_bit", "write_port_register")
 
 
-@rule(code="W260", since="0.1")
+@rule(code="W260", since="0.1", needs_values=True)
 def mirrored_address(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such write whose address is certain."""
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):

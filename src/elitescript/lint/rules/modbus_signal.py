@@ -52,7 +52,7 @@ def added_signals(program: AnalysedProgram) -> dict[str, set[int | None]]:
     return {} if called.are_passed_on(_ADD, _ADD_BOTH) else added
 
 
-@rule(code="W249", since="0.3", needs_all_lines=True)
+@rule(code="W249", since="0.3", needs_all_lines=True, needs_values=True)
 def modbus_signal(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such use."""
     added = added_signals(program)

@@ -20,7 +20,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W250", since="0.1")
+@rule(code="W250", since="0.1", needs_values=True)
 def negative_radius(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such argument that the command takes."""
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):

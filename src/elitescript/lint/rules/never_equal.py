@@ -23,7 +23,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
 
-@rule(code="W240", since="0.3", instead_of=("W242",))
+@rule(code="W240", since="0.3", instead_of=("W242",), needs_values=True)
 def never_equal(program: AnalysedProgram) -> Iterator[Finding]:
     """Report comparisons whose outcome does not depend on what happens."""
     if program.nodes(ast.Compare):

@@ -20,22 +20,27 @@ from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
 
 
-@rule(code="W245", since="0.3")
+@rule(code="W245", since="0.3", needs_values=True)
 def not_a_function(program: AnalysedProgram) -> Iterator[Finding]:
     """Report calls of numbers, texts and lists; W203 tells of commands, and None stands for a function to come."""
     for scope in program.symbols.scopes:
+        are_own: dict[str, bool] = {}
         for call in scope.calls:
             function = call.func
-            if not isinstance(function, ast.Name) or scope.resolve(function.id) is Resolution.BUILTIN:
+            if not isinstance(function, ast.Name):
+                continue
+            if function.id not in are_own:
+                are_own[function.id] = scope.resolve(function.id) is not Resolution.BUILTIN
+            if not are_own[function.id]:
                 continue
             value = program.values.of(function)
             if not value.is_known or value.is_callable or program.is_tried(call):
                 continue
             from elitescript.values.description import NONE
-            from elitescript.values.words import words
+            from elitescript.values.words import phrase
 
             if not value.kinds & NONE and CATALOGUE.get(function.id) is None:
                 text = said(
-                    "`{function}` is {words} here, and cannot be called", function=function.id, words=words(value)
+                    "`{function}` is {words} here, and cannot be called", function=function.id, words=phrase(value)
                 )
                 yield Finding(function, text, "give the variable another name than the function")

@@ -30,7 +30,7 @@ _OUTPUTS: Final = (
 )
 
 
-@rule(code="N223", since="0.3")
+@rule(code="N223", since="0.3", needs_values=True)
 def output_behind_blend(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first output in the line behind each such move."""
     radii: dict[ast.AST, float] = {}

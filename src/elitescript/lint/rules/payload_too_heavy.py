@@ -15,7 +15,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
-@rule(code="W233", since="0.2")
+@rule(code="W233", since="0.2", needs_values=True)
 def payload_too_heavy(program: AnalysedProgram) -> Iterator[Finding]:
     """Report masses that the arm cannot carry."""
     return doubt_findings(program, "W233")

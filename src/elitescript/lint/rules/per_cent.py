@@ -25,7 +25,7 @@ from elitescript.values.description import INT, OUTSIDE
 _LEAST: Final = 2.0
 
 
-@rule(code="W267", since="0.3")
+@rule(code="W267", since="0.3", needs_values=True)
 def per_cent(program: AnalysedProgram) -> Iterator[Finding]:
     """Report fractions of 2 and more."""
     for found in program.derived(CalledCommands).all_of("interpolate_pose"):

@@ -21,7 +21,7 @@ from elitescript.lint.registry import Finding, doubt_findings, rule
 from elitescript.said import said
 
 
-@rule(code="W237", since="0.2")
+@rule(code="W237", since="0.2", needs_values=True)
 def pose_for_joints(program: AnalysedProgram) -> Iterator[Finding]:
     """Report lists that come from a command of the other kind, or go to one."""
     yield from doubt_findings(program, "W237")

@@ -26,7 +26,7 @@ _OTHER: Final = {"tool_": "the tool", "serial_": "the control box"}
 _BYTES: Final = ("read", "write", "flush")
 
 
-@rule(code="W253", since="0.3", needs_all_lines=True)
+@rule(code="W253", since="0.3", needs_all_lines=True, needs_values=True)
 def serial_not_set_up(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first such command of each port."""
     called = program.derived(CalledCommands)

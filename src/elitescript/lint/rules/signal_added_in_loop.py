@@ -31,7 +31,7 @@ _READ: Final = "modbus_get_signal_status"
 _DELETE: Final = "modbus_delete_signal"
 
 
-@rule(code="W251", since="0.3")
+@rule(code="W251", since="0.3", needs_values=True)
 def signal_added_in_loop(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such call."""
     called = program.derived(CalledCommands)

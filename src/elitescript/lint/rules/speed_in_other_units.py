@@ -17,7 +17,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, doubt_findings, rule
 
 
-@rule(code="W232", since="0.2")
+@rule(code="W232", since="0.2", needs_values=True)
 def speed_in_other_units(program: AnalysedProgram) -> Iterator[Finding]:
     """Report speeds and accelerations that no arm has."""
     return doubt_findings(program, "W232")

@@ -31,7 +31,7 @@ _LONGEST_M: Final = 0.005
 _COORDINATES: Final = 3
 
 
-@rule(code="N224", since="0.3")
+@rule(code="N224", since="0.3", needs_values=True)
 def stops_at_points(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the move of each such loop."""
     steps_of: dict[ast.stmt, dict[str, float]] = {}

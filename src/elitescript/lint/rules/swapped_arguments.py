@@ -27,15 +27,16 @@ from elitescript.values.description import BOOL, NUMBER
 _INDICES: Final = ("n", "address", "port", "index", "encoder_index")
 
 
-@rule(code="W266", since="0.3")
+@rule(code="W266", since="0.3", needs_values=True)
 def swapped_arguments(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such argument."""
     for found, arguments in zip(program.command_calls, program.arguments, strict=True):
-        if all(_is_truth(program, node) for _, node in arguments.given):
-            continue
         for param, node in arguments.given:
-            is_wanted = param.name in _INDICES or (_takes_number(param) and _gives_number(program, arguments))
-            if not is_wanted or not _is_truth(program, node):
+            if not (param.name in _INDICES or _takes_number(param)) or not _is_truth(program, node):
+                continue
+            if all(_is_truth(program, other) for _, other in arguments.given):
+                break
+            if param.name not in _INDICES and not _gives_number(program, arguments):
                 continue
             text = said(
                 "{command}: {param} is {expression}, and a number belongs there",

@@ -26,7 +26,7 @@ _LONG: Final = frozenset(("sleep",))
 """Commands whose times may be long."""
 
 
-@rule(code="W244", since="0.3")
+@rule(code="W244", since="0.3", needs_values=True)
 def time_in_milliseconds(program: AnalysedProgram) -> Iterator[Finding]:
     """Report times that are too long to be seconds."""
     refused = {refusal.node for refusal in program.refusals}

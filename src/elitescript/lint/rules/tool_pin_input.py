@@ -24,7 +24,7 @@ from elitescript.said import said
 _CONFIG: Final = "set_tool_digital_io_config"
 
 
-@rule(code="W255", since="0.3")
+@rule(code="W255", since="0.3", needs_values=True)
 def tool_pin_input(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such call."""
     called = program.derived(CalledCommands)

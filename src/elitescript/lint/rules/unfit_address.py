@@ -35,7 +35,7 @@ _REGISTERS: Final = ("read_address", "write_address")
 _BLOCK_LENGTH: Final = 9_999
 
 
-@rule(code="W252", since="0.3")
+@rule(code="W252", since="0.3", needs_values=True)
 def unfit_address(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such address."""
     for found in program.derived(CalledCommands).all_of(*_HOLDERS):

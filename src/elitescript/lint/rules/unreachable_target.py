@@ -46,7 +46,7 @@ def _computed(name: str, node: ast.expr) -> tuple[str, ast.expr]:
     return name, node
 
 
-@rule(code="W236", since="0.2")
+@rule(code="W236", since="0.2", needs_values=True)
 def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
     """Report targets outside the joint limits, or out of reach."""
     places = TargetPlaces(program)
