@@ -86,8 +86,10 @@ def compare(python: Outcome, robot: Outcome) -> Verdict:
     is_policy = robot.end in ("error", "failed") and _cause_of_refusal(robot)
     if difference and not is_wording:
         return Verdict(Cause.VALUE, difference)
-    if is_policy and (python.end, python.kind) != (robot.end, robot.kind):
+    if is_policy and (python.end, python.kind, python.text) != (robot.end, robot.kind, robot.text):
         return Verdict(is_policy, f"{robot.kind}: {robot.text}")
+    if robot.end == "skipped" and python.end != "skipped":
+        return Verdict(Cause.POLICY, "the test skips itself, as something that it asks for is not there")
     if (python.end, python.kind) != (robot.end, robot.kind) or len(python.notes) != len(robot.notes):
         return Verdict(Cause.VALUE, f"{_shown(python)} <> {_shown(robot)}")
     if difference:

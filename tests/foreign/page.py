@@ -46,11 +46,11 @@ own with bounded time and memory. Where two runs differ, CPython runs once more 
 otherwise there is left out. Nothing of the package is part of this repository. With `--only test_list` it takes a part,
 with `--show NAME` it prints one program and what comes of it.
 
-This page is of CPython {version} on {system}. With another version the tests are others, and so are the numbers; the
-table of known differences says for which versions a row holds.
+This page is of CPython {version} on {system}.{missing} With another version the tests are others, and so are the
+numbers; the table of known differences says for which versions a row holds.
 
 **{same} of {total} tests pass with the same operands**, {refused} are refused, before the run or in it, by a rule that
-names what is refused. {different} differ; each of those stands below with its reason.
+names what is refused. {different} differ; those that are known stand below with their reason{unknown}.
 
 """
 
@@ -69,7 +69,7 @@ _PROGRAMS: Final = """
 
 Programs of [pyperformance](https://pypi.org/project/pyperformance/) 1.14 run as they are, but for what they measure
 with: {same} of {total} give CPython's output. The others are refused by name. Their loops take {mean:.2f} times the
-processor time of CPython in the geometric mean of {timed} (worst {worst:.2f}, best of {rounds} runs each); that is what
+processor time of CPython in the geometric mean of {timed} (worst {worst:.2f}, best of {rounds}); that is what
 checkpoints cost.
 
 | program | CPython, s | elitescript, s | times | remark |
@@ -156,13 +156,16 @@ def table(result: Result) -> str:
 def page(result: Result, programs: Sequence[Timed], rounds: int) -> str:
     """Return the whole page."""
     total = result.total
+    left_out = [group for group, counts in result.counts.items() if not counts.total()]
     head = _HEAD.format(
+        missing=f" The groups {', '.join(left_out)} were not run." if left_out else "",
         version=platform.python_version(),
         system=platform.system(),
         same=total[Cause.SAME],
         total=total.total(),
         refused=total[Cause.REFUSED] + total[Cause.POLICY] + total[Cause.TEXTS],
         different=result.different,
+        unknown=f", {len(result.new)} are not" if result.new else "",
     )
     meanings = "\n".join(f"- *{cause}*: {_MEANT[cause]}." for cause in Cause if total[cause])
     rows = [
