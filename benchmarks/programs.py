@@ -26,6 +26,16 @@ def tracking():
 end
 """
 """One minute of nothing but going along with a belt that creeps."""
+EVENT_HOURS = 8
+TWO_MOVES = """
+def two_moves():
+  while True:
+    movej([0.4, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+    movej([-0.4, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+    sleep(1)
+  end
+end
+"""
 POLLING_S = 20.0
 POLLING = """
 def polling():
@@ -101,7 +111,7 @@ def _loop_rows() -> list[Row]:
 
 
 def _free_run_rows() -> list[Row]:
-    from elitescript import VirtualRobot
+    from elitescript import PlantConfig, VirtualRobot
 
     rows = []
     for what, program, has_trace in (
@@ -109,11 +119,12 @@ def _free_run_rows() -> list[Row]:
         ("the same with a trace row every 4 ms", PICK_AND_PLACE, True),
         ("picking from a moving belt", BELT_PICKING, False),
         ("one minute on a moving belt", TRACKING, False),
+        ("pick and place with a lag of the joints", PICK_AND_PLACE, False),
     ):
         times = []
         simulated_s = 0.0
         for _ in range(RUNS):
-            robot = VirtualRobot("CS66")
+            robot = VirtualRobot("CS66", plant=PlantConfig(lag_s=0.03) if "lag" in what else None)
             robot.signals["encoder_speed[0]"] = BELT_COUNTS_PER_S
             times.append(time_of(lambda: robot.run(program, trace=has_trace).check()))  # noqa: B023
             simulated_s = robot.time_s
@@ -169,8 +180,25 @@ def _trace_memory_rows() -> list[Row]:
     VirtualRobot("CS66").run(PICK_AND_PLACE, trace=True)
     (with_rows, count), (without, _) = kept_by_a_run(has_trace=True), kept_by_a_run(has_trace=False)
     row = (with_rows - without) / count
-    numbers = 8 * 19
-    return [Row("memory of a trace row", words=f"{row:.0f} B", beside=f"{numbers} B (its nineteen numbers)")]
+    numbers = 8 * 13
+    return [
+        Row("memory of a trace row", words=f"{row:.0f} B", beside=f"{numbers} B (its time, six joints and speeds)"),
+        Row("memory of an hour of trace rows", "MiB", value=row * 900_000 / 2**20),
+        _event_memory_row(),
+    ]
+
+
+def _event_memory_row() -> Row:
+    """What the events of an hour of two moves and a pause take, from eight hours of them."""
+    from elitescript import VirtualRobot
+
+    tracemalloc.start()
+    run = VirtualRobot("CS66").run(TWO_MOVES, until_s=EVENT_HOURS * 3600.0)
+    gc.collect()
+    kept = tracemalloc.get_traced_memory()[0]
+    tracemalloc.stop()
+    words = f"{len(run.record.raw())} kept, {run.events_dropped} gone, in {EVENT_HOURS} h"
+    return Row("memory of the events of an hour", "MiB", value=kept / 2**20 / EVENT_HOURS, words=words)
 
 
 def _day_rows() -> list[Row]:

@@ -48,7 +48,8 @@ def rows() -> list[Row]:
     """The rows of this module."""
     table = [row for what, text in PROGRAMS.items() for row in _parts(what, text)]
     table += [_served(f"no clients, {what}", 0, PROGRAMS[what]) for what in ("the arm rests", "movej")]
-    table.append(_served("1 client, movej", 1, MOVING))
+    table += [_served(f"1 client, {what}", 1, PROGRAMS[what]) for what in ("the arm rests", "movej")]
+    table.append(_served("1 client, in process, the arm rests", 1, b"", "--in-process"))
     table += [_served(f"{CLIENTS} clients, {what}", CLIENTS, text) for what, text in PROGRAMS.items()]
     table.append(_served(f"{CLIENTS} clients, in process", CLIENTS, b"", "--in-process"))
     return table

@@ -47,7 +47,7 @@ from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel
 from elitescript.observer import OBSERVATION
-from elitescript.run import FINDINGS, NOT_DELIVERED, EndState, Look, ProgramGlobals, Run
+from elitescript.run import FINDINGS, NOT_DELIVERED, EndState, Look, ProgramGlobals, Run, record_of
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.probe import Probe, noted, probed, witness
 from elitescript.runtime.threads.strand import is_stop
@@ -336,6 +336,7 @@ class VirtualRobot:
         trace_step_s: float | None = None,
         trace_signals: str | Iterable[str] | None = None,
         trace_window_s: tuple[float, float] | None = None,
+        keep: str | Iterable[str] = "all",
         pace: Pace | None = None,
         watch: Watch | None = None,
     ) -> Run:
@@ -354,6 +355,8 @@ class VirtualRobot:
             trace_step_s: time between rows.
             trace_signals: signals that the rows of `Run.trace` hold, or `all`; those not at their default if None.
             trace_window_s: begin and end of the rows of `Run.trace`, in the time of the robot; all if None.
+            keep: kinds of events that `Run.events` keeps: `all`, `none`, or names such as `Alarm`; texts and findings
+                have lists of their own.
             pace: called with the tick before it is run.
             watch: called after every tick that was run; may call `interrupt`.
 
@@ -370,6 +373,7 @@ class VirtualRobot:
             trace_step_s=trace_step_s,
             trace_signals=trace_signals,
             trace_window_s=trace_window_s,
+            keep=keep,
         )
         if OBSERVATION.observer is None:
             return self._run_through(run, until_s, pace, watch)
@@ -429,6 +433,7 @@ class VirtualRobot:
         trace_step_s: float | None = None,
         trace_signals: str | Iterable[str] | None = None,
         trace_window_s: tuple[float, float] | None = None,
+        keep: str | Iterable[str] = "all",
     ) -> Run:
         """Start a program; `advance` runs it. Its record says where it is.
 
@@ -438,6 +443,7 @@ class VirtualRobot:
             ProgramError: the text does not compile.
             ScriptStateError: a program is running; it goes on, and its record too.
         """
+        record = record_of(keep)
         unit = program if isinstance(program, CompiledUnit) else self.compile(program)
         values = _checked_presets(presets or {})
         world = self._outside.world_for(unit.source.name)
@@ -447,7 +453,7 @@ class VirtualRobot:
         # The record of a program that runs must not become that of one that is refused.
         self.controller.task.require("start")
         self._globals = None
-        run = Run(unit, self.tick, _compiler_warnings(unit, self.options.ignored))
+        run = Run(unit, self.tick, _compiler_warnings(unit, self.options.ignored), record)
         run.is_alone = self._outside.is_alone and self._clients is None and not may_hold_set(values.values())
         run.look = lambda: self._look(run)
         run.check_text = cache(partial(_findings_of, unit, self.profile, self.model, tuple(values), self.options))

@@ -164,6 +164,33 @@ def test_calls_of_one_form_are_matched_with_the_parameters_once(monkeypatch: pyt
     assert len(command.details.forms) == 2
 
 
+def test_keywords_in_the_order_of_the_parameters_are_bound_by_position(monkeypatch: pytest.MonkeyPatch) -> None:
+    def steps(robot: object, q: Annotated[float, Number()], t: Annotated[float, Number("s", 0.0)] = 0.5,
+              gain: Annotated[float, Number()] = 3) -> None:  # fmt: skip
+        """Do.
+
+        Args:
+            q: place.
+            t: time.
+            gain: gain.
+        """
+
+    command, arranged = entry(steps), []
+    arrange = Command._arrange
+    monkeypatch.setattr(Command, "_arrange", lambda self, *call: arranged.append(call) or arrange(self, *call))
+    for _ in range(3):
+        assert command.bind((1,), {"t": 2, "gain": 4}) == [1.0, 2.0, 4.0]
+        assert command.bind((1,), {"t": 2}) == [1.0, 2.0, 3]
+        assert command.bind((), {"q": 1, "t": 2}) == [1.0, 2.0, 3]
+        with pytest.raises(ArgumentRangeError, match=r"^steps: t must be >= 0 s"):
+            command.bind((1,), {"t": -2, "gain": 4})
+    assert len(arranged) == 3
+    for _ in range(3):
+        assert command.bind((1,), {"gain": 4, "t": 2}) == [1.0, 2.0, 4.0]
+        assert command.bind((1,), {"gain": 4}) == [1.0, 0.5, 4.0]
+    assert len(arranged) == 9
+
+
 def test_more_arguments_than_the_signature_has_are_passed_on_when_the_function_takes_them() -> None:
     command = entry(everything)
     assert command.takes_more

@@ -6,6 +6,9 @@ from elitescript import VirtualRobot
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.trace import SPAN_ROWS_MAX, Trace, TraceSpan
 from elitescript.errors import UsageError
+from elitescript.kinematics.tcp import TcpKinematics
+from elitescript.kinematics.transforms import IDENTITY, pose_from_transform
+from elitescript.models.model import load_model
 from elitescript.motion.segment import Segment
 
 PROGRAM = """def main():
@@ -62,11 +65,13 @@ def test_a_span_at_rest_has_its_numbers_once(spans):
 
 def test_rows_of_a_span_are_in_the_order_of_time():
     numbers = [tuple(float(6 * k + i) for i in range(6)) for k in range(3)]
-    span = TraceSpan(range(10, 16, 2), False, 7, [(q, q) for q in numbers], numbers, "playing", numbers, {})
+    tcp = TcpKinematics(load_model("CS66").arm, IDENTITY)
+    poses = [pose_from_transform(tcp.arm.forward(q)) for q in numbers]
+    span = TraceSpan(range(10, 16, 2), False, 7, [(q, q) for q in numbers], tcp, "playing", numbers, {})
     assert [(row.t, row.line, row.q, row.qd, row.tcp_pose, row.q_actual) for row in span.rows()] == [
-        (0.04, 7, numbers[0], numbers[0], numbers[0], numbers[0]),
-        (0.048, 7, numbers[1], numbers[1], numbers[1], numbers[1]),
-        (0.056, 7, numbers[2], numbers[2], numbers[2], numbers[2]),
+        (0.04, 7, numbers[0], numbers[0], poses[0], numbers[0]),
+        (0.048, 7, numbers[1], numbers[1], poses[1], numbers[1]),
+        (0.056, 7, numbers[2], numbers[2], poses[2], numbers[2]),
     ]
 
 

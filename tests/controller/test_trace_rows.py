@@ -10,6 +10,7 @@ from elitescript.controller.views.trace import TRACE_COLUMNS, Trace, TraceRow
 from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.controller.views.trace_signals import SignalLevels
 from elitescript.errors import UsageError
+from elitescript.kinematics import tcp
 from elitescript.robot import TRACE_TICKS_MAX
 
 PROGRAM = """def main():
@@ -118,9 +119,11 @@ def test_rows_may_be_read_while_they_grow():
     assert found == rows
 
 
-def test_a_row_takes_152_bytes_and_one_at_rest_8():
+def test_a_row_takes_104_bytes_48_more_when_its_pose_is_read_and_one_at_rest_8():
     moving = TraceRows(made(1000))
-    assert sum(len(part.tobytes()) for part in (moving._times, moving._numbers)) == 152 * 1000
+    poses = sum(len(stretch.poses.tobytes()) for stretch in moving._stretches)
+    assert sum(len(part.tobytes()) for part in (moving._times, moving._numbers)) == 104 * 1000
+    assert poses == 48 * 1000
     run = VirtualRobot("CS66").run("sleep(40)\n", trace=True)
     assert len(run.trace) > 10_000
     assert len(run.trace._numbers) <= 4 * 18
@@ -252,3 +255,39 @@ class TestColumns:
 
     def test_none_without_rows(self):
         assert set(map(len, TraceRows().columns().values())) == {0}
+
+
+def test_poses_are_computed_when_they_are_read(monkeypatch):
+    asked = []
+    poses_of = tcp.tcp_poses
+    monkeypatch.setattr(
+        tcp, "tcp_poses", lambda arm, joints, at: asked.append(len(joints)) or poses_of(arm, joints, at)
+    )
+    kept = VirtualRobot("CS66").run(PROGRAM, trace=True).trace
+    assert kept.column("q1")
+    assert sum(asked) < 5
+    asked.clear()
+    assert list(kept.column("z")) == [row.tcp_pose[2] for row in kept]
+    moving = sum(asked)
+    assert 300 < moving <= len(kept)
+    # They are kept then.
+    assert kept.column("rx")
+    assert sum(asked) == moving
+
+
+@pytest.mark.parametrize("read", ["x", None])
+def test_poses_that_are_read_while_rows_come_are_those_of_the_rows(read):
+    rows, growing = traced()[1], TraceRows()
+
+    class Growing(Trace):
+        def _take(self, span):
+            if read is None and len(growing) % 3:
+                assert span.tcp_poses
+            growing.add(span)
+            if read is not None:
+                assert len(growing.column(read)) == len(growing)
+
+    VirtualRobot("CS66").run(PROGRAM, trace=Growing(lambda row: None))
+    assert [row.tcp_pose for row in growing] == [row.tcp_pose for row in rows]
+    growing.thin()
+    assert [row.tcp_pose for row in growing] == [row.tcp_pose for row in rows if row.t in set(growing.times)]

@@ -29,6 +29,8 @@ from elitescript.messages.inputs import (
 )
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask, WriteSignal
 from elitescript.messages.outputs import TickResult
+from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.services.log import LogLine
 from elitescript.services.robot_server import RobotServer
 from elitescript.testing.world import Wire, World
@@ -93,7 +95,9 @@ def test_a_kernel_that_leaps_gives_the_same_as_one_that_runs_every_tick(seed: in
 
     stepped, leaping = kernel(), kernel()
     due: int | None = 0
-    ran = 0
+    ran = shown_ahead = 0
+    ahead: dict[int, Snapshot] = {}
+    """Rows that the leaping one has given ahead; what comes in ends them."""
     for tick in range(TICKS):
         inputs = given.get(tick, ())
         result, shown, state = stepped.tick(inputs), stepped.snapshot(), stepped.discrete_state()
@@ -104,10 +108,15 @@ def test_a_kernel_that_leaps_gives_the_same_as_one_that_runs_every_tick(seed: in
             due = leaping.due_tick()
             ran += 1
             before = state
+            ticks = leaping.ticks_ahead(TICKS if due is None else due, chance.randrange(40))
+            ahead = {row.tick: row.snapshot for row in leaping.rows(ticks, ALL_PARTS)}
         else:
             assert result == TickResult(tick, (), (), ()), tick
             assert state == before, tick
+            shown_ahead += tick in ahead
+            assert ahead.get(tick, shown) == shown, tick
     assert ran < TICKS
+    assert shown_ahead
     finding("served ticks", f"{COUNT} sessions of {TICKS} ticks", f"leaping runs {ran} of them, with the same outputs")
 
 

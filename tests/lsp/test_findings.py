@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 from threading import Event
 
 import pytest
@@ -34,6 +35,7 @@ def test_they_are_those_of_check(bare):
         (problem.code, problem.text) for problem in expected
     ]
     assert {one["source"] for one in found["diagnostics"]} == {"elitescript"}
+    assert all(one["data"]["template"] and "values" in one["data"] for one in found["diagnostics"])
     assert {one["severity"] for one in found["diagnostics"] if one["code"].startswith("E3")} == {1}
     nonsense = next(one for one in found["diagnostics"] if "nonsense" in one["message"])
     assert nonsense["range"] == span(1, 17, 1, 25)
@@ -246,6 +248,16 @@ def test_what_is_found_in_an_older_version_is_given_up(bare, monkeypatch):
     assert [needs for count, needs in seen if count].count(True) == 1
 
 
+def test_a_change_that_changes_nothing_gives_nothing_up(bare, gate):
+    bare.initialize()
+    bare.open(IN_TURN)
+    assert pushed(bare)["version"] == 1
+    bare.change(version=1)
+    gate.set()
+    while codes_of(pushed(bare)) != [("E304", 1), ("W201", 2)]:
+        pass
+
+
 @pytest.mark.parametrize("refreshes", [True, False])
 def test_a_client_that_asks_gets_the_rest_when_it_can_be_told_to_ask_again(bare, gate, refreshes):
     bare.initialize({"textDocument": {"diagnostic": {}}, "workspace": {"diagnostics": {"refreshSupport": refreshes}}})
@@ -263,3 +275,26 @@ def test_a_client_that_asks_gets_the_rest_when_it_can_be_told_to_ask_again(bare,
     assert [one["code"] for one in found["items"]] == ["E304", "W201"]
     again = bare.result("textDocument/diagnostic", named | {"previousResultId": found["resultId"]})
     assert again["kind"] == "unchanged"
+
+
+def test_a_cancelled_request_leaves_no_error_behind(bare, gate, log, monkeypatch):
+    monkeypatch.setattr(findings, "TOGETHER_S", 20.0)
+    reached, look = Event(), findings.diagnostics
+
+    def reach(document):
+        reached.set()
+        return look(document)
+
+    monkeypatch.setattr(findings, "diagnostics", reach)
+    bare.initialize({"textDocument": {"diagnostic": {}}})
+    bare.open(IN_TURN)
+    asked = bare.request_message("textDocument/diagnostic", {"textDocument": {"uri": URI}})
+    bare.send(asked)
+    bare.loop.run_until_complete(asyncio.to_thread(reached.wait, 20))
+    bare.notify("$/cancelRequest", {"id": asked["id"]})
+    assert bare.answer(asked["id"])["error"]["code"] == -32800
+    bare.change({"text": "def p():\n  x = 1\nend\n"}, version=2)
+    gate.set()
+    assert bare.result("textDocument/diagnostic", {"textDocument": {"uri": URI}})["items"] == []
+    gc.collect()
+    assert not log.getvalue()

@@ -8,11 +8,15 @@ from typing import Any
 
 import pytest
 
+from elitescript.messages.enums import RobotMode, TaskState
+from elitescript.messages.outputs import Output
+from elitescript.messages.state import Payload
 from elitescript.protocol.rtsi.inputs import INPUTS
 from elitescript.protocol.rtsi.recipes import InputClaims, InputRecipe, OutputRecipe, PackageCache, RecipeSchedule
 from elitescript.protocol.rtsi.variables import OUTPUTS
+from elitescript.records import replace
 from tests.protocol.rtsi_client import STANDARD_INPUTS, STANDARD_OUTPUTS, messages, package, values
-from tests.protocol.snapshots import output
+from tests.protocol.snapshots import output, snapshot
 
 
 def ticks_due(frequency_hz: float, ticks: range) -> list[int]:
@@ -161,3 +165,27 @@ def test_equal_recipes_are_packed_once_in_a_tick(monkeypatch: pytest.MonkeyPatch
     later = cache.package(first, output(1001))
     assert later != package
     assert values(later[3:], ["DOUBLE", "INT32"]) == [1001 / 250, 7]
+
+
+def test_what_rarely_changes_is_read_again_when_it_has_changed() -> None:
+    names = tuple(OUTPUTS)
+    kept = OutputRecipe(1, names, 250.0)
+    before = snapshot(5)
+    changes: list[dict[str, Any]] = [
+        {},
+        {"tool_analog_mode": 3},
+        {"tool_pin_modes": (1, 0, 1, 0)},
+        {"is_freedrive": True},
+        {"tool_current": 0.0},
+        {"tool_current": -0.0},
+        {"signals": {**before.signals, "standard_digital_out": (True,) * 16}},
+        {"signals": {**before.signals, "standard_analog_out": (-0.0, 0.0)}},
+        {"robot": replace(before.robot, speed_scale=0.25)},
+        {"robot": replace(before.robot, robot_mode=RobotMode.IDLE)},
+        {"robot": replace(before.robot, task_state=TaskState.PAUSED)},
+        {"robot": replace(before.robot, payload=Payload(2.0, (0.0, 0.0, 0.1)))},
+        {},
+    ]
+    for change in changes:
+        output = Output(5, (), (), (), replace(before, **change))
+        assert kept.packed(output) == OutputRecipe(1, names, 250.0).packed(output), change

@@ -64,7 +64,7 @@ def main():
             tick = json.loads(body[1:])["first_tick"]
             say("D", content(DESCRIPTION))
         elif letter == "T":
-            say("O", "\0" * 24 + content(OUTPUT).replace(MARK, str(tick)))
+            say("O", "\0" * 25 + content(OUTPUT).replace(MARK, str(tick)))
             tick += 1
             misbehave()
 

@@ -87,7 +87,7 @@ class FakeChild:
     def send(self, letter: str, text: str | bytes) -> None:
         parts = 0
         if letter == frames.TICK:
-            number, parts, _, text = frames.read_tick(text)
+            number, parts, *_, text = frames.read_tick(text)
             self.numbers.append(number)
             self.asked.append(parts)
         self.told.append((letter, from_text(text) if text else []))

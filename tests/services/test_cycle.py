@@ -144,6 +144,65 @@ def test_what_comes_in_belongs_to_the_tick_that_is_next_then(
     asyncio.run(test())
 
 
+class TwoMoments(HeldClock):
+    """One that knows for which moments it was asked."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked_ns: list[int] = []
+
+    def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
+        super().wake_at(due_ns, waiter)
+        self.asked_ns.append(due_ns)
+
+
+@pytest.mark.parametrize(
+    "part, tick, moments",
+    [
+        (None, 1, [OUTLET_NS]),
+        (-0.5, 1, [OUTLET_NS, 0]),
+        (0.0, 2, [OUTLET_NS]),
+        (0.2, 2, [OUTLET_NS]),
+    ],
+)
+def test_a_tick_that_is_known_is_woken_up_for_at_its_outlet(
+    monkeypatch: pytest.MonkeyPatch, part: float | None, tick: int, moments: list[int]
+) -> None:
+    """`part` is when something comes in, in periods from the beginning of the tick; `tick` the one that it is for."""
+    clock = TwoMoments()
+    monkeypatch.setattr(cycle.time, "monotonic_ns", clock.monotonic_ns)
+
+    async def test() -> None:
+        ticks = Cycle(clock, outlet_timer=clock)
+        due_ns = clock.now_ns + PERIOD_NS
+        waiting = asyncio.create_task(ticks.next(has_outlet=True, is_known=True))
+        await asyncio.sleep(0)
+        if part is not None:
+            clock.now_ns = due_ns + round(part * PERIOD_NS)
+            assert ticks.make_due() == ticks.make_due() == tick
+        clock.now_ns = clock.due_ns
+        clock.waiter.set_result(None)
+        assert await waiting == 1
+        assert [at_ns - due_ns for at_ns in clock.asked_ns] == moments
+        assert ticks.is_at_outlet == (len(moments) == 1)
+        assert (ticks.overruns, ticks.make_due()) == (0, 1)
+
+    asyncio.run(test())
+
+
+def test_a_tick_that_is_known_and_late_is_counted_from_its_outlet(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock, outlet_timer=clock)
+        await ticks.next(has_outlet=True, is_known=True)
+        assert ticks.is_at_outlet
+        # Its beginning has gone by already: then it begins as any other.
+        clock.now_ns += 3 * PERIOD_NS
+        await ticks.next(has_outlet=True, is_known=True)
+        assert (ticks.is_at_outlet, ticks.overruns, ticks.lag_ticks) == (False, 1, 2)
+
+    asyncio.run(test())
+
+
 def test_no_tick_begins_within_a_call_that_makes_it_due(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = HeldClock()
 

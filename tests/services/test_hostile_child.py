@@ -20,10 +20,11 @@ from elitescript.kernel.restart import restored_inputs, restored_options
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.services.child import frames, output_changes
-from elitescript.services.child.output_changes import OutputReader
+from elitescript.services.child.output_changes import OutputReader, OutputWriter
 from elitescript.services.child.remote_files import FileDesk
 from elitescript.services.options_data import options_data, options_from_data
 from elitescript.services.output_text import output_text
+from tests.protocol.snapshots import output
 from tests.services.test_child_link import FakeChild, children, clock, with_link  # noqa: F401
 from tests.services.test_untrusted_numbers import say_everywhere
 
@@ -201,6 +202,29 @@ class TestLink:
                 await link.tick(())
 
         with_link(body, files=MemoryFiles({}))
+
+    @pytest.mark.parametrize("announced, sent, is_killed", [(1, 1, False), (2, 1, True), (1, 2, True), (0, 1, True)])
+    def test_rows_that_were_not_asked_for_end_a_child(self, children, announced, sent, is_killed):  # noqa: F811
+        async def body(link):
+            async def outlet() -> None:
+                assert link._transport.unanswered[0].ahead == 1
+                writer = OutputWriter()
+                _, text = writer.message(output(1))
+                children[0].say(frames.OUTPUT, frames.answer_content(0, text, rows=announced))
+                for number in range(sent):
+                    children[0].say(frames.ROW, writer.changes(output(2 + number)))
+
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick((), asks_due=False, outlet=outlet)
+            children[0].is_mute = False
+            if not children[0].is_killed:
+                children[0].tick = 2 + sent
+                await link.tick(())
+                await link.tick(())
+            assert children[0].is_killed == is_killed
+
+        with_link(body)
 
     @pytest.mark.parametrize("line", [2**40, -1, "5", 1.5, True])
     def test_a_line_that_no_program_has_ends_a_child(self, children, line):  # noqa: F811

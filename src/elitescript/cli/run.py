@@ -28,7 +28,7 @@ from elitescript.language.parser import parse
 from elitescript.messages.events import DeviceNoted
 from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
-from elitescript.run import EXIT_CODES
+from elitescript.run import EXIT_CODES, record_of
 from elitescript.shown import shown
 
 TYPE_CHECKING = False
@@ -54,6 +54,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json and options.format not in (None, "json"):
         raise UsageError(f"--json and --format {options.format} contradict each other")
     options.json = options.json or options.format == "json"
+    record_of(options.keep)  # refused before anything is read or written
     report = _report(options)
     code = _run(options, report)
     report.finish()
@@ -95,7 +96,11 @@ def _run(options: argparse.Namespace, report: RunReport) -> int:
         if value is not None:
             accepted(UNTIL, value, name)
     try:
-        source = source_of(path, options.task_dir) if options.parsed is None else options.parsed.source
+        source = (
+            source_of(path, options.task_dir, is_generated=options.generated)
+            if options.parsed is None
+            else options.parsed.source
+        )
     except ProgramError as error:
         report.problems(error.problems, refused_source(path))
         return DOES_NOT_COMPILE
@@ -119,7 +124,15 @@ def _run(options: argparse.Namespace, report: RunReport) -> int:
         pace = _pacer() if options.realtime else None
         with _InterruptHandler(robot) as interrupted:
             try:
-                result = robot.run(unit, until_s=options.until, presets=presets, trace=trace, pace=pace, watch=watch)
+                result = robot.run(
+                    unit,
+                    until_s=options.until,
+                    presets=presets,
+                    trace=trace,
+                    keep=options.keep,
+                    pace=pace,
+                    watch=watch,
+                )
             except ElitescriptError as error:
                 from elitescript.devices.agenda import DeviceError
 

@@ -12,7 +12,7 @@ A plain run needs neither ports nor inputs. They are imported by the first that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 from elitescript.controller.controller import Controller
@@ -23,7 +23,17 @@ from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.parts import PopupWindow, RobotParts
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import OBSERVED, Change, DeviceNoted, Event, Popup, TaskStateChanged, Warned, event_of
+from elitescript.messages.events import (
+    OBSERVED,
+    Alarm,
+    Change,
+    DeviceNoted,
+    Event,
+    Popup,
+    TaskStateChanged,
+    Warned,
+    event_of,
+)
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import profile
@@ -35,6 +45,7 @@ from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import default_probe, witness
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.controller.views.snapshots import SnapshotBuilder
@@ -397,6 +408,40 @@ class Kernel:
             handlers.tasks.shown, self.popup.text, is_remote=handlers.is_remote, parts=parts
         )
 
+    def ticks_ahead(self, due: int, count: int) -> range:
+        """Return the ticks after the present one, `count` at most, of which `rows` knows what they will show.
+
+        Args:
+            due: the next tick at which anything is due.
+            count: not negative.
+        """
+        controller, tick = self.controller, self.controller.tick
+        if not controller.is_plant_ideal:
+            # What is kept of an arm at rest has the noise of the tick in which it was computed.
+            count = 0
+        return range(tick + 1, min(due - 1, tick + count, controller.loads.known_until) + 1)
+
+    def rows(self, ticks: range, parts: int) -> Iterator[Output]:
+        """Yield what ticks of `ticks_ahead` give if nothing is given to the robot by then; it stays at its tick.
+
+        Args:
+            ticks: in rising order.
+            parts: of their snapshots that are computed; the others are those of the last snapshot that had them.
+        """
+        from elitescript.messages.outputs import Output
+
+        controller, handlers, present = self.controller, self.handlers, self.controller.tick
+        # What the snapshots of ticks that run keep of the ones before must not come from later ticks.
+        builder = self._snapshot_builder().copy()
+        shown, popup, is_remote = handlers.tasks.shown, self.popup.text, handlers.is_remote
+        try:
+            for tick in ticks:
+                controller.leap(tick)
+                snapshot = builder.picture(shown, popup, is_remote=is_remote, parts=parts)
+                yield Output(tick, (), (), (), snapshot, parts)
+        finally:
+            controller.leap(present)
+
     def discrete_state(self) -> tuple[object, ...]:
         """Return all that a snapshot shows and that does not change with time alone; see `SnapshotBuilder`.
 
@@ -467,6 +512,8 @@ class Kernel:
     def _event(self, event: Event) -> None:
         if type(event) is Warned and self._is_ignored(event):
             return
+        if isinstance(event, Alarm | Warned) and event.line:
+            event = self._with_node(event)
         self._has_happened = True
         if type(event) in _IN_WINDOW:
             self.popup.take(event)
@@ -480,6 +527,23 @@ class Kernel:
         self._on_event(event)
         if self._debugging is not None and self._debugging.debugger is not None:
             self._debugging.debugger.event(event)
+
+    def _with_node(self, event: Alarm | Warned) -> Event:
+        """Return an event with the node of the graphical program that runs, to which its line belongs."""
+        source = self.host.source
+        if source is None or not source.places or not event.thread or event.thread.startswith(SECONDARY_THREAD):
+            return event
+        if "#" in event.thread:
+            return event  # of a text of a client, which does not run
+        node = source.place(event.line)
+        if not node:
+            return event
+        if isinstance(event, Alarm):
+            return event if "node" in event.details else replace(event, details={"node": node, **event.details})
+        # Reports of a run have its text, and name the node themselves.
+        if self._on_event != self._record:
+            return event
+        return replace(event, text=said("{node}: {text}", node=node, text=event.text))
 
     def _change(self, change: Change) -> None:
         self._has_happened = True

@@ -15,6 +15,33 @@ from elitescript.kinematics.rotations import PITCH_LIMIT
 from elitescript.kinematics.transforms import Transform, pose_from_transform
 
 
+class TcpKinematics:
+    """Poses of one TCP of one arm; those of an arm that rests are computed once.
+
+    Args:
+        arm: the arm.
+        T_flange_tcp: the TCP in the flange frame.
+    """
+
+    __slots__ = ("T_flange_tcp", "_at", "_pose", "arm")
+
+    def __init__(self, arm: Arm, T_flange_tcp: Transform) -> None:
+        self.arm = arm
+        self.T_flange_tcp = T_flange_tcp
+        self._at: SixFloats | None = None
+        self._pose: SixFloats
+
+    def pose(self, q: SixFloats) -> SixFloats:
+        """Return the pose of the TCP at joint angles (rad), base frame: m, rad."""
+        if q is not self._at:
+            self._at, self._pose = q, tcp_pose(self.arm, q, self.T_flange_tcp)
+        return self._pose
+
+    def poses(self, joints: Sequence[SixFloats]) -> list[SixFloats]:
+        """Return the poses of the TCP at many joint angles (rad), base frame: m, rad."""
+        return [self.pose(joints[0])] if len(joints) == 1 else tcp_poses(self.arm, joints, self.T_flange_tcp)
+
+
 def tcp_pose(arm: Arm, q: Sequence[float], T_flange_tcp: Transform) -> SixFloats:
     """Return the pose of the TCP at joint angles (rad), base frame: m, rad."""
     return tcp_poses(arm, (q,), T_flange_tcp)[0]

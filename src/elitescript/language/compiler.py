@@ -101,10 +101,10 @@ def compile_task(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit
     Raises:
         ProgramError: as `compile_unit`; in a strict run also a text in which nothing runs.
     """
-    if options.probes or source.notes:
-        # Numbers of probes belong to one robot; notes are about files beside the text.
+    if options.probes or source.notes or source.tree is not None:
+        # Numbers of probes belong to one robot; notes are about files beside the text, lines of a tree about its file.
         return _compile_task(source, options)
-    key = (source.name, source.text, source.places, source.arm, source.unset, options)
+    key = (source.name, source.text, source.places, options)
     unit = KEPT.get(key)
     if unit is None:
         unit = _compile_task(source, options)

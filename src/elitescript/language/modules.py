@@ -36,7 +36,7 @@ COPIED_NAMES: Final[dict[str, str]] = {
     " replace",
     "datetime": "MAXYEAR MINYEAR UTC date datetime time timedelta timezone tzinfo",
     "enum": "CONFORM CONTINUOUS EJECT Enum EnumCheck Flag FlagBoundary IntEnum IntFlag KEEP NAMED_FLAGS ReprEnum STRICT"
-    " StrEnum UNIQUE auto member nonmember unique verify",
+    " StrEnum UNIQUE auto member nonmember property unique verify",
     "fractions": "Fraction",
     "functools": "cache cached_property cmp_to_key lru_cache partial partialmethod reduce total_ordering update_wrapper"
     " wraps",

@@ -222,8 +222,8 @@ class _TextReader:
         self.problems = problems
         self.pieces: Pieces | None = None
         if translation.positions.is_identity:
-            # Nodes that are shared must not be changed.
-            self.pieces = Pieces() if pieces is None or translation.marks else pieces
+            # Line marks of nodes that are shared are what they were before.
+            self.pieces = Pieces() if pieces is None else pieces
         self.complete = True
         self.hidden: dict[int, int] = {}
         self.blamed: set[int] | None = None

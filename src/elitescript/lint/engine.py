@@ -176,12 +176,11 @@ class WrittenProgram:
 
 def _known_before(source: SourceFile, arm: ArmFacts | None) -> list[Diagnostic]:
     """Return what is known of a text besides what stands in it: of the tree from which it was generated."""
-    if not source.arm or arm is None or source.arm.lower() == arm.name.lower():
+    made_for = "" if source.tree is None else source.tree.arm
+    if not made_for or arm is None or made_for.lower() == arm.name.lower():
         return [*source.notes]
-    text = said(
-        "the graphical program was made for a {made_for}, and this is a {arm}", made_for=source.arm, arm=arm.name
-    )
-    hint = said("--robot {made_for} runs it on that arm", made_for=source.arm)
+    text = said("the graphical program was made for a {made_for}, and this is a {arm}", made_for=made_for, arm=arm.name)
+    hint = said("--robot {made_for} runs it on that arm", made_for=made_for)
     return [diagnostic(OTHER_ARM, 1, 1, text, hint=hint), *source.notes]
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar, get_args
 
 from elitescript.controller.views.trace_signals import SignalRecord
-from elitescript.errors import AlarmError, did_you_mean
+from elitescript.errors import AlarmError, UsageError, did_you_mean
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import (
     UNDELIVERED,
@@ -18,6 +18,7 @@ from elitescript.messages.events import (
     Event,
     Popup,
     Printed,
+    SignalChanged,
     TextMessage,
     Warned,
     event_of,
@@ -124,6 +125,63 @@ class EventRecord:
         self._is_read, self._events = True, events
 
 
+class ChosenEvents(EventRecord):
+    """The last events of a run that are of chosen kinds; the others count as gone.
+
+    Args:
+        kinds: types of events.
+    """
+
+    __slots__ = ("_is_kept", "_kinds")
+
+    def __init__(self, kinds: frozenset[type]) -> None:
+        super().__init__()
+        self._kinds = kinds
+        self._is_kept = False
+
+    def add(self, event: Event | Change) -> None:
+        # A change of a signal is a tuple until its event is made.
+        kind = SignalChanged if type(event) is tuple else type(event)
+        self._is_kept = kind in self._kinds
+        if self._is_kept:
+            super().add(event)
+        else:
+            self.dropped += 1
+
+    def weigh(self, characters: int) -> None:
+        if self._is_kept:
+            super().weigh(characters)
+
+
+def record_of(keep: str | Iterable[str]) -> EventRecord:
+    """Return a record that keeps events of these kinds.
+
+    Args:
+        keep: `all`, `none`, or names of kinds, as in `docs/reference/events.md`; in a string separated by commas.
+
+    Raises:
+        UsageError: there is no such kind.
+    """
+    names = [name.strip() for name in keep.split(",")] if isinstance(keep, str) else list(keep)
+    if names == ["all"]:
+        return EventRecord()
+    if names == ["none"]:
+        return ChosenEvents(frozenset())
+    kinds = {kind.__name__: kind for kind in get_args(Event)}
+    for name in names:
+        if name not in kinds:
+            near = did_you_mean(str(name), kinds)
+            raise UsageError(
+                said(
+                    "no kind of event is called {name}{near}; keep takes all, none, or some of {kinds}",
+                    name=repr(name),
+                    near=near,
+                    kinds=", ".join(map(str, kinds)),
+                )
+            )
+    return ChosenEvents(frozenset(kinds[name] for name in names))
+
+
 class Run:
     """The record of a run, which grows while the program runs.
 
@@ -168,7 +226,13 @@ class Run:
         "watch",
     )
 
-    def __init__(self, unit: CompiledUnit, start_tick: int, problems: Iterable[Diagnostic] = ()) -> None:
+    def __init__(
+        self,
+        unit: CompiledUnit,
+        start_tick: int,
+        problems: Iterable[Diagnostic] = (),
+        record: EventRecord | None = None,
+    ) -> None:
         self.unit = unit
         self.start_tick = start_tick
         self.state: EndState | Literal[""] = ""
@@ -178,7 +242,7 @@ class Run:
         self._texts = [0, 0, 0]
         """Characters of `log`, `printed` and `warnings`, at least."""
         self.alarms: list[Alarm] = []
-        self.record = EventRecord()
+        self.record = EventRecord() if record is None else record
         """What `events` are read from."""
         self._trace: TraceRows | None = None
         self.undelivered: list[str] = []
@@ -209,7 +273,7 @@ class Run:
 
     @property
     def events_dropped(self) -> int:
-        """How many events have gone, so that a run of days does not fill the memory."""
+        """How many events have gone, so that a run of days does not fill the memory, or were not to be kept."""
         return self.record.dropped
 
     @property
@@ -248,7 +312,7 @@ class Run:
     @property
     def is_spoilt(self) -> bool:
         """Whether it finished with warnings of its own, which a strict robot does not allow."""
-        return self.state == "finished" and self.has_findings and not self.findings.of_run.is_clean
+        return self.state == "finished" and self._found is not None and not self._found.listed().is_clean
 
     def exit_code(self, *, is_strict: bool = False) -> int:
         """Return the exit code of a process that runs this program alone.

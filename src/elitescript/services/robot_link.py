@@ -56,6 +56,22 @@ class RobotLink(Protocol):
     def busy_line(self) -> int:
         """Line of the program that keeps the robot from answering; 0 if none does."""
 
+    def knows(self, number: int, parts: int) -> bool:
+        """Return whether the output of the next tick is known already if it is given nothing.
+
+        Args:
+            number: of the tick.
+            parts: of its snapshot that are read, as bits of `messages.snapshot_parts`.
+        """
+
+    def known(self, number: int, parts: int) -> Output | None:
+        """Return the output of the next tick, given nothing; None if it has not come, or is not known any more.
+
+        Args:
+            number: of the tick, for which `knows` was True.
+            parts: likewise.
+        """
+
     async def tick(
         self,
         inputs: Sequence[Input],
@@ -123,6 +139,13 @@ class InProcessLink:
     @property
     def busy_line(self) -> int:
         return 0
+
+    def knows(self, number: int, parts: int) -> bool:
+        """Return False: a tick in this process is computed when it comes."""
+        return False
+
+    def known(self, number: int, parts: int) -> Output | None:
+        return None
 
     async def tick(
         self,

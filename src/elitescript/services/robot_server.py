@@ -73,6 +73,7 @@ class RobotServer:
         "_is_lockstep",
         "_is_under_way",
         "_keeper",
+        "_known_parts",
         "_lag_ticks",
         "_lockstep_timeout_s",
         "_log",
@@ -128,6 +129,8 @@ class RobotServer:
         self._is_under_way = False
         """Whether a tick has taken its inputs and has not given its output yet."""
         self._keeper = keeper
+        self._known_parts = 0
+        """Of the snapshot of the next tick that are read, if that is known already."""
         self._overruns_before = 0
         self._lag_ticks = 0
         """The last that was an input of the robot."""
@@ -327,8 +330,16 @@ class RobotServer:
         """Let time pass; never returns."""
         while True:
             has_readers = self._has_readers
-            if (ticks := await time.next(self._ticks_on, has_outlet=has_readers)) > 1:
+            if (ticks := await time.next(self._ticks_on, has_outlet=has_readers, is_known=self._is_next_known)) > 1:
                 self._pass_over(ticks - 1)
+            if time.is_at_outlet:
+                # What has come in since it began is for the next one.
+                self._is_under_way = True
+                number, parts = self._from_tick + 1, self._known_parts
+                if (output := self.link.known(number, parts)) is None:
+                    output = await self.link.tick((), parts, number, asks_due=False, outlet=time.outlet)
+                self._end_tick(output)
+                continue
             lag = self._lag(time.lag_ticks)
             inputs = self._begin_tick()
             if lag:
@@ -349,6 +360,15 @@ class RobotServer:
             if due is not None and (nearest is None or due < nearest):
                 nearest = due
         return None if nearest is None else nearest - tick
+
+    def _is_next_known(self) -> bool:
+        """Return whether the next tick has nothing to begin with, and the robot has given its output ahead."""
+        if self._asks_due or self.devices is not None or self.broker.count or self._answered:
+            return False
+        if self._lag_ticks or self._stepped or self._followers or self._next_followers or not self._inputs.is_settled:
+            return False
+        self._known_parts = self._reads()
+        return self.link.knows(self._from_tick + 1, self._known_parts)
 
     def _next_outside(self, tick: int) -> int | None:
         """Return the next tick after `tick` that must run for devices, clients or this server; None if none must."""

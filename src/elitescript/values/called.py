@@ -81,14 +81,12 @@ class Calls(Conditions):
         return function.result.value
 
     def _pass(self, function: Function, args: Sequence[Value], keywords: dict[str, Value], is_certain: bool) -> None:
-        arguments = function.arguments
-        if arguments is None:
+        if function.arguments is None:
             return
-        positional = [argument.arg for argument in (*arguments.posonlyargs, *arguments.args)]
+        positional, names, defaults = function.signature
         given: dict[str, Value] = dict(zip(positional, args, strict=False))
         for extra in args[len(positional) :]:
             self._escape(extra)
-        names = {*positional, *(argument.arg for argument in arguments.kwonlyargs)}
         for name, value in keywords.items():
             if name in names:
                 given[name] = value
@@ -97,9 +95,6 @@ class Calls(Conditions):
         if not is_certain:
             given = {name: join(given.get(name, BOTTOM), UNKNOWN) for name in names}
         else:
-            defaults = dict(zip(reversed(positional), reversed(arguments.defaults), strict=False))
-            keyword_defaults = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
-            defaults |= {argument.arg: node for argument, node in keyword_defaults if node is not None}
             for name, node in defaults.items():
                 if name not in given:
                     given[name] = self._noted(node)

@@ -55,6 +55,10 @@ class Values:
         """The names of the functions that were evaluated, each as often as it was; others are as they were."""
         return [function.scope.name for function in self._evaluation.evaluated]
 
+    def release(self) -> None:
+        """Let go of what is known: functions know those that have read what they return."""
+        self._evaluation.release()
+
     def of(self, node: ast.expr) -> Value:
         """Return what an expression of the program is."""
         if not self.is_known:

@@ -110,6 +110,7 @@ class State:
         self._heads: dict[ast.AST, Locals] = {}
         self._all_values, self._all_heads = self.values, self._heads
         """Of all functions; with a memory each evaluation has its own besides."""
+        self._known_meanings: dict[Function, list[Any]] = {}
         self._base_depth = 0
         """Nesting around the function that is evaluated."""
         self._builtins: dict[str, Value] = {}
@@ -151,10 +152,16 @@ class State:
         log.append(Entry(method, arguments, depth - self._base_depth, repeated, answer))
         return answer
 
+    def release(self) -> None:
+        """Let go of what functions know of each other."""
+        for function in self._functions.values():
+            function.result.readers.clear()
+
     def _circumstances(self) -> Any:
         """Return what all evaluations of the program depend on, besides its functions."""
         return (
             frozenset(self.presets),
+            self.profile.name,
             self._has_foreign_writers,
             self._is_a_part,
             self._has_interpreter,
@@ -165,14 +172,20 @@ class State:
     def _situation(self, function: Function) -> Any:
         """Return what an evaluation of a function depends on, besides its text and what it asks for."""
         # Nesting matters where it comes near to what is followed.
-        names: list[Any] = [function.is_open, max(0, self._depth - CALLED_AT_MOST // 2)]
-        scopes = [function.scope]
-        for scope in scopes:
-            for name in (*scope.reads, *scope.bindings):
-                variable = self.variable(name, scope)
-                names.append(None if variable is None else (variable.key, variable.is_shared))
-            scopes += [inner for inner in scope.children if inner.kind == "comprehension"]
-        return names
+        return function.is_open, max(0, self._depth - CALLED_AT_MOST // 2), self._meanings(function)
+
+    def _meanings(self, function: Function) -> list[Any]:
+        """Return what the names of a function mean."""
+        found = self._known_meanings.get(function)
+        if found is None:
+            found = self._known_meanings[function] = []
+            scopes = [function.scope]
+            for scope in scopes:
+                for name in (*scope.reads, *scope.bindings):
+                    variable = self.variable(name, scope)
+                    found.append(None if variable is None else (variable.key, variable.is_shared))
+                scopes += [inner for inner in scope.children if inner.kind == "comprehension"]
+        return found
 
     def _function_at(self, node: ast.AST) -> Function:
         scope = self.symbols.scope_made_by(node)

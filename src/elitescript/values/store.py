@@ -100,10 +100,11 @@ class Function:
         evaluations: how often it was evaluated.
     """
 
-    __slots__ = ("evaluations", "is_open", "parameters", "result", "scope")
+    __slots__ = ("_signature", "evaluations", "is_open", "parameters", "result", "scope")
 
     def __init__(self, scope: Scope) -> None:
         self.scope = scope
+        self._signature: tuple[list[str], list[str], dict[str, ast.expr]] | None = None
         self.parameters: dict[str, Cell] = {}
         self.result = Cell()
         self.is_open = False
@@ -114,6 +115,20 @@ class Function:
         """Its parameters as they are written; None for the body of a text."""
         node = self.scope.node
         return node.args if isinstance(node, (ast.FunctionDef, ast.Lambda)) else None
+
+    @property
+    def signature(self) -> tuple[list[str], list[str], dict[str, ast.expr]]:
+        """The parameters that are given by position, all but those with stars, and those that have a default."""
+        if self._signature is None:
+            arguments = self.arguments
+            assert arguments is not None
+            positional = [argument.arg for argument in (*arguments.posonlyargs, *arguments.args)]
+            defaults = dict(zip(reversed(positional), reversed(arguments.defaults), strict=False))
+            keyword_defaults = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+            defaults |= {argument.arg: node for argument, node in keyword_defaults if node is not None}
+            names = [*positional, *(argument.arg for argument in arguments.kwonlyargs)]
+            self._signature = positional, names, defaults
+        return self._signature
 
 
 SiteState = tuple[dict[int | None, tuple[Value, int]], bool]

@@ -256,6 +256,8 @@ class Command:
         details = self._details or self.details
         coercions = details.coercions
         values: list[Any] = []
+        if kwargs and (len(args), *kwargs) in details.ordered:
+            args, kwargs = (*args, *kwargs.values()), {}
         try:
             if len(args) == len(coercions) and not kwargs:
                 for coerce, value in zip(coercions, args):  # noqa: B905  a keyword costs as much as one argument
@@ -415,6 +417,8 @@ class Command:
                 raise ArgumentCountError(misfits[0].text, command=self.name, hint=self.call_hint)
             if len(forms) < FORMS_MAX:
                 forms[form] = slots
+                if slots[: len(args) + len(kwargs)] == (*range(len(args)), *kwargs):
+                    self.details.ordered.add(form)
         values = [_OMITTED if slot is None else kwargs[slot] if isinstance(slot, str) else args[slot] for slot in slots]
         return [*values, *args[len(values) :]]
 
@@ -434,6 +438,7 @@ class _Details:
         "indices",
         "judged",
         "kind",
+        "ordered",
         "params",
         "raises",
         "required",
@@ -477,6 +482,8 @@ class _Details:
         """Index of the parameter that a keyword means."""
         self.forms: dict[tuple[int | str, ...], tuple[int | str | None, ...]] = {}
         """Slots of calls that were right, by their number of arguments and their keywords; see `Command.place`."""
+        self.ordered: set[tuple[int | str, ...]] = set()
+        """Those of `forms` whose arguments are in the order of the first parameters: they are bound by position."""
         self.returns = _quantity(function, "return") or Anything("None")
         elements = self.returns.names if isinstance(self.returns, Vector) else ""
         self.result = _result(function)

@@ -46,6 +46,11 @@ class JointLoads:
         """Return temperatures of the joints and of the control box, degC; see `thermal_model`."""
         return self._thermal.temperatures(tick)
 
+    @property
+    def known_until(self) -> int:
+        """Return the last tick to which `leap` samples nothing."""
+        return self._thermal.next_look
+
     def leap(self, tick: int) -> None:
         """Sample the joints up to a tick that is not later than the next one due."""
         if self._thermal.next_look < tick:

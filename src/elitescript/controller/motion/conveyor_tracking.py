@@ -99,6 +99,9 @@ class Tracking:
         "_line",
         "_on_event",
         "_passage",
+        "_placed",
+        "_placed_q",
+        "_placed_tcp",
         "_reference",
         "_relaid",
         "_speed",
@@ -135,6 +138,10 @@ class Tracking:
         self.observe: Callable[[Observation], None] | None = None
         """Takes what observers of a run may see."""
         self._T_flange_tcp = self._T_tcp_flange = IDENTITY
+        self._placed: tuple[Transform, int]
+        """Place of the TCP, and branch of the arm, of the nominal joints `_placed_q`."""
+        self._placed_q: Six | None = None
+        self._placed_tcp: Transform = IDENTITY
         tool = ToolMotion(self._arm, limits, IDENTITY, self._deceleration)
         self._passage = Passage(tool, WHAT, "on the conveyor")
         self._reference = 0.0
@@ -193,7 +200,7 @@ class Tracking:
         self._encoder = self.encoders[request.encoder]
         self._begin_tick = tick
         self._T_flange_tcp, self._T_tcp_flange = T_flange_tcp, inverse(T_flange_tcp)
-        self._passage = self._passage._replace(tool=self._passage.tool._replace(T_flange_tcp=T_flange_tcp))
+        self._passage = Passage(self._passage.tool._replace(T_flange_tcp=T_flange_tcp), WHAT, "on the conveyor")
         self.setpoint = now
         self._way = self._speed = 0.0
         self._tick = tick
@@ -291,9 +298,14 @@ class Tracking:
             return nominal
         arm, conveyor = self._arm, self._conveyor
         assert conveyor is not None
-        T_base_tcp = conveyor.carried(arm.forward_tcp(nominal.q, self._T_flange_tcp), way)
+        if nominal.q is not self._placed_q or self._T_flange_tcp is not self._placed_tcp:
+            # Anew only for other joints or another TCP: without a move on the belt they rest.
+            self._placed_q, self._placed_tcp = nominal.q, self._T_flange_tcp
+            self._placed = arm.forward_tcp(nominal.q, self._T_flange_tcp), branch_of(arm, nominal.q)
+        T_nominal, branch = self._placed
+        T_base_tcp = conveyor.carried(T_nominal, way)
         T_base_flange = compose(T_base_tcp, self._T_tcp_flange)
-        q = solve_branch(arm, T_base_flange, branch_of(arm, nominal.q), q_near[5])
+        q = solve_branch(arm, T_base_flange, branch, q_near[5])
         if q is None:
             reason = reason_unreachable(arm, T_base_flange) or "the arm would have to change its configuration"
             return Obstacle(

@@ -94,8 +94,9 @@ class Drive:
         """End the call; the motion goes on."""
         self.is_returned = True
 
-    def advance(self, tick: int) -> None:
-        """Advance to a tick that is not after the next one due."""
+    def advance(self, tick: int) -> bool:
+        """Advance to a tick that is not after the next one due; return whether its state may be another one then."""
+        return True
 
     def _hold(self, tick: int) -> None:
         self._held_ticks = max(0, (self._timeout_tick or tick) - tick)

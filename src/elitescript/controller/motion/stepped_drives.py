@@ -106,14 +106,17 @@ class Stepped(Drive, ABC):
         """Return the target joints at a tick up to `due_tick`."""
         return self._setpoint if tick <= self._tick or self._stands_still else self._look_ahead()
 
-    def advance(self, tick: int) -> None:
-        """Advance to a tick."""
+    def advance(self, tick: int) -> bool:
+        """Advance to a tick; return False if it is there already."""
+        if self._tick >= tick:
+            return False
         while self._tick < tick:
             if self._stands_still:
                 self._tick = tick
             else:
                 self._step()
                 self._tick += 1
+        return True
 
 
 class ToolDrive(Stepped):
@@ -227,9 +230,21 @@ class ToolDrive(Stepped):
 class ServoDrive(Stepped):
     """Runs `servoj`: the arm follows a stream of targets; the speed percentage does not count (*assumed*)."""
 
-    __slots__ = ("_deceleration", "_gain", "_is_near_range", "_limits", "_q_target", "_window", "state")
+    __slots__ = (
+        "_deceleration",
+        "_gain",
+        "_has_arrived",
+        "_is_near_range",
+        "_limits",
+        "_q_target",
+        "_window",
+        "state",
+    )
 
     has_target = True
+    _has_arrived: bool
+    """Found once for each state and target; asked several times in a tick."""
+
     _ahead: ServoState | Obstacle | None
 
     def __init__(
@@ -253,8 +268,11 @@ class ServoDrive(Stepped):
         self._gain = request.gain
         self._window = min(max(1, ticks_for(request.lookahead_s)), LOOKAHEAD_TICKS_MAX)
         q, qd, stream, _, is_limited, ease, is_taken_over = self.state
-        self.state = ServoState(q, qd, stream, ticks, is_limited, ease, is_taken_over)
-        self._ahead = None
+        self._take_state(ServoState(q, qd, stream, ticks, is_limited, ease, is_taken_over))
+
+    def _take_state(self, state: ServoState) -> None:
+        self.state, self._ahead = state, None
+        self._has_arrived = state.is_at(self._q_target)
 
     @property
     def is_lowered(self) -> bool:
@@ -273,10 +291,6 @@ class ServoDrive(Stepped):
     @property
     def _stands_still(self) -> bool:
         return self._has_arrived or (self.is_paused and self.state.qd == ZERO_SIX)
-
-    @property
-    def _has_arrived(self) -> bool:
-        return self.state.is_at(self._q_target)
 
     @property
     def _may_meet_obstacle(self) -> bool:
@@ -300,7 +314,10 @@ class ServoDrive(Stepped):
             if self.is_paused:
                 self._ahead = held(self.state, self._deceleration, self._limits)
             else:
-                self._ahead = followed(self.state, self._q_target, self._window, self._gain, self._limits)
+                may_meet = self._is_near_range
+                self._ahead = followed(
+                    self.state, self._q_target, self._window, self._gain, self._limits, may_meet=may_meet
+                )
         return self._ahead
 
     def _look_ahead(self) -> Setpoint:
@@ -311,7 +328,8 @@ class ServoDrive(Stepped):
 
     def _step(self) -> None:
         ahead = self._next()
-        if not isinstance(ahead, Obstacle):
-            self.state = ahead
+        if isinstance(ahead, Obstacle):
+            self._ahead = None
+        else:
+            self._take_state(ahead)
             self._is_near_range = may_meet_obstacle(ahead, self._limits)
-        self._ahead = None

@@ -98,6 +98,14 @@ class SnapshotBuilder:
         self._elbow_velocity: Three = (0.0, 0.0, 0.0)
         self._temperatures: tuple[Six, float]
 
+    def copy(self) -> SnapshotBuilder:
+        """Return another one that goes on from what this one has computed."""
+        other = SnapshotBuilder(self._controller)
+        for name in _KEPT:
+            if hasattr(self, name):
+                setattr(other, name, getattr(self, name))
+        return other
+
     def picture(self, task: TaskPicture, popup: str, *, is_remote: bool, parts: int = ALL_PARTS) -> Snapshot:
         """Return the snapshot of the present tick.
 
@@ -217,6 +225,9 @@ class SnapshotBuilder:
             sensor.client_offset,
             controller.signals.image,
         )
+
+
+_KEPT: Final = tuple(name for name in SnapshotBuilder.__slots__ if name != "_controller")
 
 
 def elbow_velocity(arm: Arm, q: Six, qd: Six) -> Three:

@@ -2,7 +2,8 @@
 
 The row of a tick shows the state after that tick's motion. Rows are sampled between two ticks that are due, so
 recording does not change which ticks are run. Nothing but the arm changes there, so that the rows of such a span share
-line, state and signals, and their joints and poses are computed in one pass.
+line, state and signals, and their joints are computed in one pass. Poses of the TCP follow from the joints, and are
+computed when they are read.
 """
 
 from __future__ import annotations
@@ -15,12 +16,10 @@ from typing import Final
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.trace_signals import NO_SIGNALS, TraceSignals
 from elitescript.errors import UsageError
-from elitescript.kinematics.tcp import tcp_poses
-from elitescript.kinematics.transforms import IDENTITY, Transform
+from elitescript.kinematics.tcp import TcpKinematics
 from elitescript.messages.enums import TaskState
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
-from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import LONGEST_S, PERIOD_S, TICKS_PER_S, seconds, ticks_for
 from elitescript.records import NamedTuple
 
@@ -104,19 +103,52 @@ _ROUNDING_TICKS: Final = 1e-6
 """A tick that is this little after the end of a window is at its end: the rest is rounding."""
 
 
-class TraceSpan(NamedTuple):
-    """Rows between two ticks that are due. Of an arm at rest target, pose and measured joints are given once."""
+class TraceSpan:
+    """Rows between two ticks that are due. Of an arm at rest target, pose and measured joints are given once.
 
-    ticks: range
-    is_at_rest: bool
-    """Whether the rows differ in their time only."""
-    line: int
-    targets: Sequence[tuple[Six, Six]]
-    """Target joints and their speeds, rad and rad/s."""
-    tcp_poses: Sequence[Six]
-    state: str
-    q_actual: Sequence[Six] | None
-    signals: Mapping[str, Value]
+    Args:
+        ticks: of the rows.
+        is_at_rest: whether the rows differ in their time only.
+        line: of the main thread.
+        targets: target joints and their speeds, rad and rad/s.
+        tcp: gives the poses of the TCP.
+        state: of the task.
+        q_actual: measured joints, rad; None where actual equals target.
+        signals: see `TraceRow`.
+
+    Attributes:
+        posed: poses of the TCP if they have been read, m and rad, base frame; else None.
+    """
+
+    __slots__ = ("is_at_rest", "line", "posed", "q_actual", "signals", "state", "targets", "tcp", "ticks")
+
+    def __init__(
+        self,
+        ticks: range,
+        is_at_rest: bool,
+        line: int,
+        targets: Sequence[tuple[Six, Six]],
+        tcp: TcpKinematics,
+        state: str,
+        q_actual: Sequence[Six] | None,
+        signals: Mapping[str, Value],
+    ) -> None:
+        self.ticks = ticks
+        self.is_at_rest = is_at_rest
+        self.line = line
+        self.targets = targets
+        self.tcp = tcp
+        self.state = state
+        self.q_actual = q_actual
+        self.signals = signals
+        self.posed: Sequence[Six] | None = None
+
+    @property
+    def tcp_poses(self) -> Sequence[Six]:
+        """Poses of the TCP, m and rad, base frame; computed when they are read first."""
+        if self.posed is None:
+            self.posed = self.tcp.poses([q for q, _ in self.targets])
+        return self.posed
 
     def rows(self) -> Iterator[TraceRow]:
         """Return the rows in the order of time."""
@@ -147,16 +179,14 @@ class Trace:
     """
 
     __slots__ = (
-        "_T_flange_tcp",
         "_begin_tick",
         "_end_tick",
         "_next_tick",
-        "_posed",
-        "_q_posed",
         "_rows_max",
         "_signals",
         "_sink",
         "_step_ticks",
+        "_tcp",
     )
 
     def __init__(
@@ -173,9 +203,7 @@ class Trace:
         self._next_tick = self._begin_tick
         self._rows_max = SPAN_ROWS_MAX
         """Rows of the next span at most."""
-        self._q_posed: Six | None = None
-        self._T_flange_tcp: Transform = IDENTITY
-        self._posed = ZERO_SIX
+        self._tcp: TcpKinematics | None = None
 
     def record(self, controller: Controller, until_tick: int) -> None:
         """Record the ticks from the controller's present one up to, not including, `until_tick`."""
@@ -201,11 +229,9 @@ class Trace:
         is_at_rest, is_ideal = controller.is_resting, controller.is_plant_ideal
         q_actual: Sequence[Six] | None = None
         targets: Sequence[tuple[Six, Six]]
-        poses: Sequence[Six]
         if is_at_rest or len(ticks) == 1:
             joints = controller.joints_at(ticks[0] + 1)
             targets = ((joints.q_target, joints.qd_target),)
-            poses = (self._pose(controller, joints.q_target),)
             q_actual = None if is_ideal else (joints.q_actual,)
         else:
             if is_ideal:
@@ -214,25 +240,19 @@ class Trace:
                 states = [controller.joints_at(tick + 1) for tick in ticks]
                 targets = [(joints.q_target, joints.qd_target) for joints in states]
                 q_actual = [joints.q_actual for joints in states]
-            poses = tcp_poses(controller.arm, [q for q, _ in targets], controller.setup.T_flange_tcp)
+        T_flange_tcp, tcp = controller.setup.T_flange_tcp, self._tcp
+        if tcp is None or tcp.T_flange_tcp is not T_flange_tcp or tcp.arm is not controller.arm:
+            tcp = self._tcp = TcpKinematics(controller.arm, T_flange_tcp)
         return TraceSpan(
             ticks,
             is_at_rest,
             controller.line,
             targets,
-            poses,
+            tcp,
             _STATES[controller.task_state],
             q_actual,
             NO_SIGNALS if self._signals is None else self._signals.of(controller.signals.image),
         )
-
-    def _pose(self, controller: Controller, q: Six) -> Six:
-        """Return the pose of the TCP, computed anew only for other joints or another TCP: an arm may rest for long."""
-        T_flange_tcp = controller.setup.T_flange_tcp
-        if q is not self._q_posed or T_flange_tcp is not self._T_flange_tcp:
-            self._q_posed, self._T_flange_tcp = q, T_flange_tcp
-            self._posed = controller.tcp_pose(q)
-        return self._posed
 
 
 _STATES: Final = {state: state.name.lower() for state in TaskState}

@@ -1,7 +1,7 @@
 """Keeps the rows of a trace as numbers, and makes them when they are read.
 
-A row takes 8 bytes for its time and 144 for joints, speeds and pose; one of an arm at rest takes only those for its
-time. Line, state and signals are kept once for each stretch of rows that share them.
+A row takes 8 bytes for its time and 96 for joints and speeds, 48 more once its pose has been read; one of an arm at
+rest takes only those for its time. Line, state and signals are kept once for each stretch of rows that share them.
 """
 
 from __future__ import annotations
@@ -16,18 +16,22 @@ from typing import Any, Final, overload
 from elitescript.controller.views.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, Trace, TraceRow, TraceSpan
 from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.errors import UsageError
+from elitescript.kinematics.tcp import TcpKinematics
+from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
 
-_WIDTH: Final = 18
-"""Numbers of a row: joints, speeds, pose."""
-_WIDTH_WITH_ACTUAL: Final = 24
+_WIDTH: Final = 12
+"""Numbers of a row: joints, speeds."""
+_WIDTH_WITH_ACTUAL: Final = 18
 """The same and measured joints."""
 _FORMS: Final = {width: Struct(f"{width}d") for width in (_WIDTH, _WIDTH_WITH_ACTUAL)}
+_POSE: Final = Struct("6d")
+_POSE_NAMES: Final = TRACE_COLUMNS[2 + _WIDTH : -1]
 
-_PLACES: Final = {name: place for place, name in enumerate((*TRACE_COLUMNS[2:-1], *ACTUAL_COLUMNS))}
-"""Place of each column among the numbers of a row."""
+_PLACES: Final = {name: place for place, name in enumerate((*TRACE_COLUMNS[2 : 2 + _WIDTH], *ACTUAL_COLUMNS))}
+"""Place of each column but those of the pose among the numbers of a row."""
 
 _CHUNK: Final = 1024
 """Rows whose numbers are copied at once while rows are read one after the other."""
@@ -48,7 +52,7 @@ class RowStretch(NamedTuple):
 class _Stretch:
     """Where the numbers of a stretch are; those of an arm at rest are there once."""
 
-    __slots__ = ("begin", "first", "is_at_rest", "line", "signals", "state", "width")
+    __slots__ = ("begin", "first", "is_at_rest", "line", "poses", "signals", "state", "tcp", "width")
 
     def __init__(
         self,
@@ -59,9 +63,14 @@ class _Stretch:
         line: int,
         state: str,
         signals: Mapping[str, Value],
+        tcp: TcpKinematics | None,
     ) -> None:
         self.begin = begin
         """Index of the first row."""
+        self.tcp = tcp
+        """Gives the poses; None if they came with the rows."""
+        self.poses = array("d")
+        """Of its first rows, as many as have been computed, or came."""
         self.first = first
         """Index of its first number."""
         self.width = width
@@ -71,14 +80,43 @@ class _Stretch:
         self.state = state
         self.signals = signals
 
-    def row(self, t: float, numbers: tuple[float, ...]) -> TraceRow:
+    def row(self, t: float, numbers: tuple[float, ...], pose: Six) -> TraceRow:
         """Return a row."""
-        a, b, c, d, e, f, g, h, i, j, k, m, x, y, z, rx, ry, rz, *actual = numbers
-        q, qd, pose = (a, b, c, d, e, f), (g, h, i, j, k, m), (x, y, z, rx, ry, rz)
+        a, b, c, d, e, f, g, h, i, j, k, m, *actual = numbers
+        q, qd = (a, b, c, d, e, f), (g, h, i, j, k, m)
         if not actual:
             return TraceRow(t, self.line, q, qd, pose, self.state, None, self.signals)
         a, b, c, d, e, f = actual
         return TraceRow(t, self.line, q, qd, pose, self.state, (a, b, c, d, e, f), self.signals)
+
+    def pose(self, place: int, numbers: tuple[float, ...]) -> Six:
+        """Return the pose of one row.
+
+        Args:
+            place: of the row among those of the stretch.
+            numbers: of the row.
+        """
+        if 6 * place < len(self.poses):
+            a, b, c, d, e, f = self.poses[6 * place : 6 * place + 6]
+            return a, b, c, d, e, f
+        assert self.tcp is not None
+        a, b, c, d, e, f, *_ = numbers
+        return self.tcp.pose((a, b, c, d, e, f))
+
+    def place_rows(self, numbers: array[float], count: int) -> None:
+        """Compute the poses of the first rows, as far as they have not been read before.
+
+        Args:
+            numbers: of all stretches.
+            count: of the rows.
+        """
+        known = len(self.poses) // 6
+        if self.tcp is None or count <= known:
+            return
+        width, first = self.width, self.first
+        places = [numbers[first + known * width + joint : first + count * width : width] for joint in range(6)]
+        poses = self.tcp.poses(list(zip(*places, strict=True)))
+        self.poses.frombytes(b"".join([_POSE.pack(*pose) for pose in poses]))
 
 
 class TraceRows(Sequence[TraceRow]):
@@ -101,9 +139,10 @@ class TraceRows(Sequence[TraceRow]):
 
     def append(self, row: TraceRow) -> None:
         """Append a row that is later than the others."""
-        numbers = (*row.q, *row.qd, *row.tcp_pose, *(row.q_actual or ()))
+        numbers = (*row.q, *row.qd, *(row.q_actual or ()))
         width = len(numbers)
-        self._put(_FORMS[width].pack(*numbers), width, False, row.line, row.state, row.signals)
+        stretch = self._put(_FORMS[width].pack(*numbers), width, False, row.line, row.state, row.signals, None)
+        stretch.poses.extend(row.tcp_pose)
         self._times.append(row.t)
 
     def add(self, span: TraceSpan) -> None:
@@ -111,17 +150,28 @@ class TraceRows(Sequence[TraceRow]):
         width = _WIDTH if span.q_actual is None else _WIDTH_WITH_ACTUAL
         pack = _FORMS[width].pack
         if span.q_actual is None:
-            packed = [pack(*q, *qd, *pose) for (q, qd), pose in zip(span.targets, span.tcp_poses, strict=True)]
+            packed = [pack(*q, *qd) for q, qd in span.targets]
         else:
-            places = zip(span.targets, span.tcp_poses, span.q_actual, strict=True)
-            packed = [pack(*q, *qd, *pose, *actual) for (q, qd), pose, actual in places]
-        self._put(b"".join(packed), width, span.is_at_rest, span.line, span.state, span.signals)
+            packed = [pack(*q, *qd, *actual) for (q, qd), actual in zip(span.targets, span.q_actual, strict=True)]
+        data, known = b"".join(packed), len(self._numbers)
+        stretch = self._put(data, width, span.is_at_rest, span.line, span.state, span.signals, span.tcp)
+        is_next = 6 * (known - stretch.first) == width * len(stretch.poses)
+        if span.posed is not None and is_next and len(self._numbers) > known:
+            # Something has read them, and those before: they need not be computed again.
+            stretch.poses.frombytes(b"".join([_POSE.pack(*pose) for pose in span.posed]))
         self._times.extend([tick / TICKS_PER_S for tick in span.ticks])
 
     def _put(
-        self, numbers: bytes, width: int, is_at_rest: bool, line: int, state: str, signals: Mapping[str, Value]
-    ) -> None:
-        """Append the numbers of the next rows; of rows at rest only if they are others than before."""
+        self,
+        numbers: bytes,
+        width: int,
+        is_at_rest: bool,
+        line: int,
+        state: str,
+        signals: Mapping[str, Value],
+        tcp: TcpKinematics | None,
+    ) -> _Stretch:
+        """Append the numbers of the next rows, of rows at rest only if they are others than before; return where."""
         last = self._stretches[-1] if self._stretches else None
         if (
             last is None
@@ -130,15 +180,17 @@ class TraceRows(Sequence[TraceRow]):
             or last.state != state
             or last.width != width
             or last.is_at_rest != is_at_rest
+            or last.tcp is not tcp
             or (is_at_rest and self._numbers[-width:].tobytes() != numbers)
         ):
             begin = len(self._times)
-            stretch = _Stretch(begin, len(self._numbers), width, is_at_rest, line, state, signals)
-            self._stretches.append(stretch)
+            last = _Stretch(begin, len(self._numbers), width, is_at_rest, line, state, signals, tcp)
+            self._stretches.append(last)
             self._begins.append(begin)
         elif is_at_rest:
-            return
+            return last
         self._numbers.frombytes(numbers)
+        return last
 
     def thin(self) -> None:
         """Drop every second row, but the first of those in one line, and the last row of all."""
@@ -167,7 +219,11 @@ class TraceRows(Sequence[TraceRow]):
                 places = [0] if stretch.is_at_rest else [index - begin for index in indices]
                 offsets = [8 * stretch.first + place * size for place in places]
                 numbers = b"".join([view[offset : offset + size] for offset in offsets])
-                kept._put(numbers, stretch.width, stretch.is_at_rest, line, stretch.state, stretch.signals)
+                state, signals, tcp = stretch.state, stretch.signals, stretch.tcp
+                where = kept._put(numbers, stretch.width, stretch.is_at_rest, line, state, signals, tcp)
+                if tcp is None:
+                    for place in places:
+                        where.poses.extend(stretch.poses[6 * place : 6 * place + 6])
                 kept._times.extend([self._times[index] for index in indices])
         view.release()
         return kept
@@ -207,9 +263,12 @@ class TraceRows(Sequence[TraceRow]):
         Raises:
             UsageError: there is no such column of numbers.
         """
+        if name in _POSE_NAMES:
+            return self._pose_column(_POSE_NAMES.index(name))
         place = _PLACES.get(name)
         if place is None:
-            raise UsageError(f"a trace has no column of numbers {name!r}; it has {', '.join(_PLACES)}")
+            known = ", ".join((*TRACE_COLUMNS[2:-1], *ACTUAL_COLUMNS))
+            raise UsageError(f"a trace has no column of numbers {name!r}; it has {known}")
         found = array("d")
         for stretch, (begin, end, *_) in zip(self._stretches, self.stretches(), strict=True):
             width = stretch.width
@@ -218,6 +277,17 @@ class TraceRows(Sequence[TraceRow]):
                 found.extend(array("d", [self._numbers[first]]) * (end - begin))
             else:
                 found.extend(self._numbers[first : first + (end - begin) * width : width])
+        return found
+
+    def _pose_column(self, place: int) -> Sequence[float]:
+        found = array("d")
+        for stretch, (begin, end, *_) in zip(self._stretches, self.stretches(), strict=True):
+            count = end - begin
+            stretch.place_rows(self._numbers, 1 if stretch.is_at_rest else count)
+            if stretch.is_at_rest:
+                found.extend(array("d", [stretch.poses[place]]) * count)
+            else:
+                found.extend(stretch.poses[place : 6 * count : 6])
         return found
 
     def columns(self) -> dict[str, list[Any]]:
@@ -279,8 +349,9 @@ class TraceRows(Sequence[TraceRow]):
 
     def _row(self, index: int) -> TraceRow:
         stretch = self._stretches[bisect_right(self._begins, index) - 1]
-        first = stretch.first if stretch.is_at_rest else stretch.first + (index - stretch.begin) * stretch.width
-        return stretch.row(self._times[index], _FORMS[stretch.width].unpack_from(self._numbers, 8 * first))
+        place = 0 if stretch.is_at_rest else index - stretch.begin
+        numbers = _FORMS[stretch.width].unpack_from(self._numbers, 8 * (stretch.first + place * stretch.width))
+        return stretch.row(self._times[index], numbers, stretch.pose(place, numbers))
 
     def __iter__(self) -> Iterator[TraceRow]:
         index = 0
@@ -296,7 +367,10 @@ class TraceRows(Sequence[TraceRow]):
                 first = stretch.first + (index - stretch.begin) * stretch.width
                 # A copy: an array that is being read as it is could not grow.
                 numbers = self._numbers[first : first + len(times) * stretch.width]
-                yield from map(stretch.row, times, _FORMS[stretch.width].iter_unpack(numbers))
+                place = index - stretch.begin
+                stretch.place_rows(self._numbers, place + len(times))
+                poses = stretch.poses[6 * place : 6 * (place + len(times))]
+                yield from map(stretch.row, times, _FORMS[stretch.width].iter_unpack(numbers), _POSE.iter_unpack(poses))
             index += len(times)
 
     def __eq__(self, other: object) -> bool:

@@ -12,7 +12,6 @@ from elitescript.motion.limits import JOINT_NAMES
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, obstacle_at, range_obstacle
 from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
-from elitescript.records import NamedTuple
 from elitescript.said import said
 
 _ROUNDING: Final = 1.0 + 1e-9
@@ -21,29 +20,41 @@ TOO_QUICK: Final = "R118"
 """Code of an obstacle that less speed would avoid."""
 
 
-class Passage(NamedTuple):
-    """Constants of a correction."""
+class Passage:
+    """Looks at the targets of one correction.
 
-    tool: ToolMotion
-    what: str
-    """Name of the correction, for messages."""
-    beside: str
-    """Words for its way past a singularity that the nominal motion passes through."""
-    jump_share: float = 0.25
-    """Greatest difference between the way of a joint and the mean of its speeds, in accelerations times the squared
-    period; 0.25 is what a change of the acceleration within a period makes, at most."""
+    Args:
+        tool: the arm with its limits.
+        what: name of the correction, for messages.
+        beside: words for its way past a singularity that the nominal motion passes through.
+        jump_share: greatest difference between the way of a joint and the mean of its speeds, in accelerations times
+            the squared period; 0.25 is what a change of the acceleration within a period makes, at most.
+    """
+
+    __slots__ = ("_bounds", "beside", "tool", "what")
+
+    def __init__(self, tool: ToolMotion, what: str, beside: str, jump_share: float = 0.25) -> None:
+        self.tool = tool
+        self.what = what
+        self.beside = beside
+        limits = tool.limits
+        self._bounds = [
+            (top * _ROUNDING, jump_share * a_top * PERIOD_S * PERIOD_S * _ROUNDING, a_top * _ROUNDING)
+            for top, a_top in zip(limits.qd_max, limits.qdd_max, strict=True)
+        ]
+        """Greatest speed, jump and acceleration of each joint."""
 
     def obstacle(self, before: Setpoint, target: Setpoint) -> Obstacle | None:
         """Return the obstacle to a target one period after a state; None if there is none."""
         tool = self.tool
         limits = tool.limits
-        for joint, (q, q_before, w, w_before) in enumerate(zip(target.q, before.q, target.qd, before.qd, strict=True)):
-            top, a_top = limits.qd_max[joint], limits.qdd_max[joint]
-            if abs(w) > top * _ROUNDING:
-                return self._too_quick(joint, "turn with", abs(w), top, "rad/s")
+        for joint, q, q_before, w, w_before, (w_max, jump_max, a_max) in zip(
+            range(6), target.q, before.q, target.qd, before.qd, self._bounds, strict=True
+        ):
+            if abs(w) > w_max:
+                return self._too_quick(joint, "turn with", abs(w), limits.qd_max[joint], "rad/s")
             # No acceleration within the limit makes speeds and positions differ by more than this.
-            jump = abs(q - q_before - 0.5 * (w + w_before) * PERIOD_S)
-            if jump > self.jump_share * a_top * PERIOD_S * PERIOD_S * _ROUNDING:
+            if abs(q - q_before - 0.5 * (w + w_before) * PERIOD_S) > jump_max:
                 return Obstacle(
                     "R112",
                     said(
@@ -58,8 +69,8 @@ class Passage(NamedTuple):
                     "rad",
                 )
             a = abs(w - w_before) / PERIOD_S
-            if a > a_top * _ROUNDING:
-                return self._too_quick(joint, "accelerate with", a, a_top, "rad/s^2")
+            if a > a_max:
+                return self._too_quick(joint, "accelerate with", a, limits.qdd_max[joint], "rad/s^2")
         outside = obstacle_at(*target, tool.deceleration, limits)
         if outside is not None:
             return range_obstacle(limits, outside, before.q, self.what)

@@ -79,7 +79,9 @@ def begun(start: Setpoint) -> ServoState:
     return ServoState(start.q, start.qd, (start.q,), 0, False, is_taken_over=start.qd != ZERO_SIX)
 
 
-def followed(state: ServoState, q_target: Six, window: int, gain: float, limits: MotionLimits) -> ServoState | Obstacle:
+def followed(
+    state: ServoState, q_target: Six, window: int, gain: float, limits: MotionLimits, *, may_meet: bool = True
+) -> ServoState | Obstacle:
     """Return the state one period later, or the joint that cannot stop inside its range.
 
     Args:
@@ -88,6 +90,7 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
         window: look-ahead time in ticks, at least 1.
         gain: 100 to 2000.
         limits: limits of the arm.
+        may_meet: False if `may_meet_obstacle` is: then no joint is looked at.
     """
     newest = state.stream[-1]
     if state.left:
@@ -134,7 +137,8 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
             wanted = w - change
         speeds.append(w + change if w + change < wanted else wanted)
     w1, w2, w3, w4, w5, w6 = speeds
-    return _next(state, stream, max(0, state.left - 1), (w1, w2, w3, w4, w5, w6), is_limited, ease, limits)
+    qd, left = (w1, w2, w3, w4, w5, w6), state.left - 1 if state.left else 0
+    return _next(state, stream, left, qd, is_limited, ease, limits if may_meet else None)
 
 
 def held(state: ServoState, deceleration: float, limits: MotionLimits) -> ServoState | Obstacle:
@@ -164,10 +168,27 @@ def may_meet_obstacle(state: ServoState, limits: MotionLimits) -> bool:
 
 
 def _next(
-    state: ServoState, stream: tuple[Six, ...], left: int, qd: Six, is_limited: bool, ease: float, limits: MotionLimits
+    state: ServoState,
+    stream: tuple[Six, ...],
+    left: int,
+    qd: Six,
+    is_limited: bool,
+    ease: float,
+    limits: MotionLimits | None,
 ) -> ServoState | Obstacle:
-    q1, q2, q3, q4, q5, q6 = [q + w * PERIOD_S for q, w in zip(state.q, qd, strict=True)]
-    q = (q1, q2, q3, q4, q5, q6)
+    """Return the state one period later with these speeds, or the obstacle; without limits it meets none."""
+    q1, q2, q3, q4, q5, q6 = state.q
+    w1, w2, w3, w4, w5, w6 = qd
+    q = (
+        q1 + w1 * PERIOD_S,
+        q2 + w2 * PERIOD_S,
+        q3 + w3 * PERIOD_S,
+        q4 + w4 * PERIOD_S,
+        q5 + w5 * PERIOD_S,
+        q6 + w6 * PERIOD_S,
+    )
+    if limits is None:
+        return ServoState(q, qd, stream, left, is_limited, ease)
     joint = obstacle_at(q, qd, min(limits.qdd_max), limits)
     if joint is not None:
         return range_obstacle(limits, joint, state.q, "servoj")

@@ -413,7 +413,7 @@ class RtsiConnection(Connection):
 
     def _hold_back_old(self, recipe: OutputRecipe, output: Output) -> None:
         """Send no older snapshot of what was not read before: this tick and one under way may lack it."""
-        recipe.new_before = 0 if output.has(recipe.parts) else output.tick + 2
+        recipe.new_before = output.tick + 2
 
     def _pause(self, _body: bytes, _output: Output) -> list[Input]:
         self._is_started = False

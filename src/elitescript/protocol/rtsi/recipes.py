@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable
+from operator import attrgetter, is_
 from typing import Final
 
 from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.snapshot_parts import TIME
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import Field, FieldList, Number, WireValue
 from elitescript.protocol.rtsi.inputs import INPUTS, effects_of
-from elitescript.protocol.rtsi.variables import OUTPUTS
+from elitescript.protocol.rtsi.variables import OUTPUTS, Reader
 
 FREQUENCY_MIN_HZ: Final = 1.0
 FREQUENCY_MAX_HZ: Final = 250.0
@@ -30,6 +32,30 @@ SAID_MAX: Final = 100
 DATA_PACKAGE: Final = ord("U")
 
 
+_discrete_state: Final = attrgetter(
+    "robot.robot_mode",
+    "robot.safety_mode",
+    "robot.task_state",
+    "robot.tcp_offset",
+    "robot.payload",
+    "robot.gravity",
+    "robot.speed_scale",
+    "joint_voltages",
+    "robot_voltage",
+    "io_current",
+    "tool_current",
+    "signals",
+    "domains",
+    "tool_analog_mode",
+    "tool_pin_modes",
+    "is_remote",
+    "is_freedrive",
+    "popup",
+    "task",
+    "is_guided_by_input",
+)
+"""Returns what of a snapshot is in no part; see `messages.snapshot_parts`."""
+_UNKNOWN: Final[tuple[object, ...]] = (object(),)
 _NEVER: Final = 1 << 62
 """A tick that does not come."""
 
@@ -90,7 +116,21 @@ class OutputRecipe:
         frequency_hz: 1 to 250.
     """
 
-    __slots__ = ("_layout", "_readers", "ident", "key", "names", "new_before", "newest", "parts", "schedule", "size")
+    __slots__ = (
+        "_changing",
+        "_discrete",
+        "_discrete_state",
+        "_layout",
+        "_values",
+        "ident",
+        "key",
+        "names",
+        "new_before",
+        "newest",
+        "parts",
+        "schedule",
+        "size",
+    )
 
     def __init__(self, ident: int, names: tuple[str, ...], frequency_hz: float) -> None:
         rows = [OUTPUTS[name] for name in names]
@@ -108,7 +148,20 @@ class OutputRecipe:
         self.newest = b""
         """The last package since `begin`; empty before the first."""
         self._layout = struct.Struct(">" + "".join(row.type.layout for row in rows))
-        self._readers = tuple((row.read, row.type.is_vector) for row in rows)
+        self._values: list[Number] = []
+        """Of the last package; those of the discrete state stay while it does."""
+        self._discrete_state: tuple[object, ...] = _UNKNOWN
+        self._changing: list[tuple[Reader, int, int]] = []
+        """Readers of parts of the snapshot, where their values begin, and where a vector ends; 0 for one value."""
+        self._discrete: list[tuple[Reader, int, int]] = []
+        """Readers of the discrete state alone; likewise."""
+        for row in rows:
+            at = len(self._values)
+            count = len(struct.unpack(f">{row.type.layout}", bytes(struct.calcsize(f">{row.type.layout}"))))
+            self._values += [0] * count
+            (self._changing if row.parts else self._discrete).append(
+                (row.read, at, at + count if row.type.is_vector else 0)
+            )
         self.size = HEAD.size + self._layout.size
         """Size of a package in bytes."""
 
@@ -120,13 +173,21 @@ class OutputRecipe:
     def packed(self, output: Output) -> bytes:
         """Return the values at a tick, without head."""
         snapshot = output.snapshot
-        flat: list[Number] = []
-        for read, is_vector in self._readers:
-            if is_vector:
-                flat += read(snapshot)  # type: ignore[arg-type]
+        state = _discrete_state(snapshot)
+        # Equal is not enough: 0.0 and -0.0 have other bytes.
+        if not all(map(is_, state, self._discrete_state)):
+            self._read(self._discrete, snapshot)
+            self._discrete_state = state
+        self._read(self._changing, snapshot)
+        return self._layout.pack(*self._values)
+
+    def _read(self, readers: list[tuple[Reader, int, int]], snapshot: Snapshot) -> None:
+        values = self._values
+        for read, at, end in readers:
+            if end:
+                values[at:end] = read(snapshot)  # type: ignore[assignment]
             else:
-                flat.append(read(snapshot))  # type: ignore[arg-type]
-        return self._layout.pack(*flat)
+                values[at] = read(snapshot)  # type: ignore[assignment]
 
     def package(self, body: bytes) -> bytes:
         """Return the message with packed values."""

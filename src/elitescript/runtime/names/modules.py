@@ -17,7 +17,7 @@ from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
 from elitescript.language.modules import AVAILABLE, COPIED_NAMES, NETWORK, SHARED, SHARED_NAMES
-from elitescript.language.policy import is_dunder
+from elitescript.language.policy import is_attribute_allowed, is_dunder
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
@@ -151,6 +151,8 @@ class ModuleShelf:
             return path
         if name in SHARED_NAMES:
             names = _chosen(real(name), SHARED_NAMES[name])
+            if name == "operator":
+                names |= _special_names(vars(real(name)), names)
             names = {key: forwarded(item) if type(item) is FunctionType else item for key, item in names.items()}
         elif name in COPIED_NAMES:
             names = _chosen(self.copy(name), COPIED_NAMES[name])
@@ -229,6 +231,15 @@ def _chosen(module: ModuleType, wanted: str) -> dict[str, Any]:
         return {name: space[name] for name in public if not isinstance(space[name], ModuleType)}
     # Some are made when they are first asked for, such as `typing.Match` since Python 3.13.
     return {name: getattr(module, name) for name in wanted.split() if hasattr(module, name)}
+
+
+def _special_names(space: dict[str, Any], names: dict[str, Any]) -> dict[str, Any]:
+    """Return the functions of `operator` by their other names, as `__lt__` of `lt`, that programs may read.
+
+    Without them those names would lead to the methods of the facade itself.
+    """
+    special = {f"__{name.strip('_')}__": item for name, item in names.items()}
+    return {name: item for name, item in special.items() if space.get(name) is item and is_attribute_allowed(name)}
 
 
 def _own_wraps(names: dict[str, Any]) -> None:
@@ -339,6 +350,12 @@ class _Variables(metaclass=Sealed):
         return function(*args)
 
 
+def _signature(cls: type) -> str:
+    from elitescript.runtime.stdlib.signatures import signature_of
+
+    return signature_of(cls)
+
+
 _REPLACEMENTS: Final[dict[str, Any]] = {
     "_contextvars": SimpleNamespace(Context=_Variables, copy_context=_Variables),
     "_datetime": ABSENT,
@@ -346,7 +363,7 @@ _REPLACEMENTS: Final[dict[str, Any]] = {
     "inspect": SimpleNamespace(
         get_annotations=_annotations,
         getattr_static=lambda *args: real("inspect").getattr_static(*args),
-        signature=lambda function: "",
+        signature=_signature,
         unwrap=lambda function: function,
     ),
     "os": SimpleNamespace(),

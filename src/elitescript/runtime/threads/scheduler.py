@@ -235,6 +235,11 @@ class Scheduler:
             # The last one may have made a long call before it ended.
             self._is_over(meter, ran)
 
+    @property
+    def has_work(self) -> bool:
+        """Whether a strand may be ready in this tick, or something needs attention."""
+        return bool(self._ready) or self.needs_attention
+
     def end_tick(self) -> None:
         """Leave the tick; an interruption is over with it."""
         self._is_in_tick = False

@@ -17,24 +17,21 @@ from typing import Any, Final
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import shape_of
-from elitescript.codec.values import with_parts
 from elitescript.environment import stop_signals
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.messages.inputs import Input, RunUnit
-from elitescript.messages.outputs import TickResult
+from elitescript.messages.inputs import RunUnit
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.runtime.threads.meter import ClockMeter
 from elitescript.services.child import frames
+from elitescript.services.child.answers import TickAnswers
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
 from elitescript.services.child.remote_files import RemoteFiles
 from elitescript.services.compiler.remote import RemoteWorkshop
 from elitescript.services.debugging import debugging
 from elitescript.services.options_data import options_from_data
-from elitescript.services.output_text import without_points
 
 SMALL_PROGRAM: Final = """def spare():
   textmsg("ready")
@@ -53,12 +50,6 @@ SMALL_PROGRAM_TICKS: Final = 4
 
 def serve(line: frames.BlockingLine) -> None:
     """Carry out the messages of the parent, until it goes."""
-    input_shape, result_shape, writer = shape_of(Input), shape_of(TickResult), OutputWriter()
-    shown: tuple[object, ...] = ()
-    """Discrete state of the last snapshot that was sent."""
-    whole_tick, is_whole = 0, False
-    """Tick of the last one with all parts, and whether the arm has rested since."""
-
     meter = ClockMeter(time.monotonic_ns, time.thread_time_ns)
 
     def ask(question: list[Any]) -> list[Any]:
@@ -68,31 +59,13 @@ def serve(line: frames.BlockingLine) -> None:
         meter.spend(time.monotonic_ns() - began_ns)
         return answer
 
-    kernel: Kernel | None = None
+    ticks: TickAnswers | None = None
     workshop = RemoteWorkshop(line)
-    content: str | bytes
     while True:
         letter, text = line.receive()
-        if letter == frames.TICK and kernel is not None:
-            tick, parts, asks_due, text = frames.read_tick(text)
-            result = kernel.tick([input_shape.decode(item) for item in from_text(text)] if text else (), tick)
-            state, rests = kernel.discrete_state(), kernel.controller.is_resting
-            if not parts and state == shown:
-                written = with_parts(result_shape.encode(without_points(result)))
-                letter, content = frames.RESULT, to_text([kernel.line, written])
-            else:
-                shown = state
-                letter, content = writer.message(result.with_snapshot(kernel.snapshot(parts)))
-            if parts == ALL_PARTS:
-                whole_tick, is_whole = tick, rests
-            elif not rests:
-                is_whole = False
-            due = kernel.due_tick() if asks_due else tick + 1
-            if due is None:
-                due = frames.NEVER
-            if not is_whole:
-                due = min(due, max(whole_tick + frames.REFRESH_TICKS, tick + 1))
-            line.send(letter, frames.answer_content(due, content, kernel.cut))
+        if letter == frames.TICK and ticks is not None:
+            for answer in ticks.answers(text):
+                line.send_frames(answer)
             workshop.pump()
             continue
         if letter == frames.CODE:
@@ -109,6 +82,7 @@ def serve(line: frames.BlockingLine) -> None:
             environment = RequestEnvironment(RemoteFiles(ask))
             made = options_from_data(data)
             kernel = Kernel(made, environment, debugging=debugging(), workshop=workshop, meter=meter)
+            ticks = TickAnswers(kernel)
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()

@@ -193,6 +193,13 @@ class OutputBuffer:
         """Let everything that waits leave with the next tick."""
         self._is_flushed = True
 
+    def pass_on(self, output: Output) -> None:
+        """Note an output that leaves in its own tick, past the buffer: nothing waits in it (`is_settled`)."""
+        self.newest = self._shown = output.snapshot
+        self._parts = output.parts
+        self._lacking_since_s, self._lacking_ticks = None, 0
+        self._surplus()
+
     def take(self, tick: int) -> Output:
         """Return what leaves in a tick; there must have been a snapshot.
 

@@ -22,14 +22,17 @@ READ_BYTES: Final = 1 << 16
 """Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
-_TICK: Final = struct.Struct(">qB?")
+_TICK: Final = struct.Struct(">qB?BB")
 _NUMBER: Final = struct.Struct(">q")
-_ANSWERED: Final = struct.Struct(">qIIII")
+_ANSWERED: Final = struct.Struct(">qBIIII")
 NEVER: Final = (1 << 63) - 1
 """Number of a tick that does not come."""
 REFRESH_TICKS: Final = TICKS_PER_S // 10
 """A snapshot is at most so old when a fresh child goes on from it, though nothing reads one: while the arm moves, the
 child names a tick that is due within this time (*assumed*: as often as the primary port shows joints)."""
+AHEAD_TICKS: Final = 12
+"""Ticks after one that runs whose rows a child sends with its answer, at most: computing them delays what comes in by a
+millisecond, and a stop by no more."""
 
 # Down.
 LOCK_IN: Final = "L"
@@ -40,8 +43,9 @@ BEGIN: Final = "B"
 """Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"
 """Number of a tick to leap to and run (i64), parts of its snapshot that are read (a byte), whether the next due tick is
-asked for (a byte), then the inputs if there are any. The child answers with `OUTPUT`, later `OUTPUT_CHANGES`; if
-nothing is read and the discrete state has not changed, with `RESULT`."""
+asked for, how many rows ahead are asked for, and the parts of those (a byte each), then the inputs if there are any.
+The child answers with `OUTPUT`, later `OUTPUT_CHANGES`; if nothing is read and the discrete state has not changed, with
+`RESULT`. Behind the answer come its rows: `ROW`."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
@@ -50,7 +54,7 @@ CODE: Final = "M"
 child, unread on the way. From the compiler it comes without the number."""
 
 # Up. The answers to a tick begin with the number of the next one that is due (i64); the next one if that was not asked
-# for. Then comes how far programs came in the tick, a `Cut` (four times u32).
+# for. Then comes how many rows follow (a byte), and how far programs came in the tick, a `Cut` (four times u32).
 LOCKED_IN: Final = "L"
 """The layers of the jail."""
 DESCRIBED: Final = "D"
@@ -61,6 +65,9 @@ OUTPUT_CHANGES: Final = "C"
 """The same, after the first one: what is new, in the form of `output_changes`."""
 RESULT: Final = "R"
 """`[line, result]`: what a tick gives without its snapshot, and the line of the program."""
+ROW: Final = "W"
+"""What a tick after the one that was answered gives if nothing is given to the robot by then: nothing is due in it. In
+the form of `output_changes`, without events, requests and replies. The child stays at the tick that was answered."""
 QUESTION: Final = "Q"
 """Something about files, in the middle of a tick."""
 TEXT: Final = "K"
@@ -75,13 +82,13 @@ FAILURE_MAX: Final = 8000
 """Characters of that reason."""
 
 
-def tick_content(number: int, parts: int, asks_due: bool, inputs: str) -> bytes:
+def tick_content(number: int, parts: int, asks_due: bool, inputs: str, ahead: int = 0, ahead_parts: int = 0) -> bytes:
     """Return the content of `TICK`."""
-    return _TICK.pack(number, parts, asks_due) + inputs.encode()
+    return _TICK.pack(number, parts, asks_due, ahead, ahead_parts) + inputs.encode()
 
 
-def read_tick(content: bytes) -> tuple[int, int, bool, bytes]:
-    """Return what `tick_content` was given."""
+def read_tick(content: bytes) -> tuple[int, int, bool, int, int, bytes]:
+    """Return number, parts, whether the next due tick is asked for, rows ahead, their parts, and the inputs."""
     return *_TICK.unpack_from(content), content[_TICK.size :]
 
 
@@ -101,24 +108,24 @@ def split_number(content: bytes) -> tuple[int, bytes]:
     return _NUMBER.unpack_from(content)[0], content[_NUMBER.size :]
 
 
-def answer_content(due: int, content: str | bytes, cut: Cut = WHOLE) -> bytes:
-    """Return the content of an answer to a tick: the next one that is due, how far programs came, what it gives."""
-    return _ANSWERED.pack(due, *cut) + (content.encode() if isinstance(content, str) else content)
+def answer_content(due: int, content: str | bytes, cut: Cut = WHOLE, rows: int = 0) -> bytes:
+    """Return the content of an answer to a tick: the next one that is due, rows, how far programs came, its output."""
+    return _ANSWERED.pack(due, rows, *cut) + (content.encode() if isinstance(content, str) else content)
 
 
-def read_answer(content: bytes) -> tuple[int, Cut, bytes]:
-    """Return what `answer_content` was given.
+def read_answer(content: bytes) -> tuple[int, int, Cut, bytes]:
+    """Return the next tick that is due, how many rows follow, how far programs came, and what the tick gives.
 
     Raises:
         CodecError: it is too short, or no tick has as many looks.
     """
     if len(content) < _ANSWERED.size:
         raise CodecError("an answer to a tick without its head")
-    due, *numbers = _ANSWERED.unpack_from(content)
+    due, rows, *numbers = _ANSWERED.unpack_from(content)
     cut = Cut(*numbers)
     if max(cut) > LOOKS_MAX:
         raise CodecError(f"a tick that was cut at {', '.join(map(str, cut))}; none can be")
-    return due, cut, content[_ANSWERED.size :]
+    return due, rows, cut, content[_ANSWERED.size :]
 
 
 def frame(letter: str, content: str | bytes, limit: int = DOWN_MAX) -> bytes:
@@ -192,7 +199,11 @@ class BlockingLine:
 
     def send(self, letter: str, content: str | bytes) -> None:
         """Send a message; waits until it is on its way."""
-        data = memoryview(frame(letter, content, UP_MAX))
+        self.send_frames(frame(letter, content, UP_MAX))
+
+    def send_frames(self, frames: bytes) -> None:
+        """Send messages that are framed already; waits until they are on their way."""
+        data = memoryview(frames)
         while data:
             data = data[os.write(self._descriptor, data) :]
 

@@ -30,7 +30,7 @@ from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Files, FilesRefused
 from elitescript.said import said
 from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, OutputBuffer, PendingInputs, room_for
-from elitescript.services.child.frames import NEVER, REFRESH_TICKS
+from elitescript.services.child.frames import AHEAD_TICKS, NEVER, REFRESH_TICKS
 from elitescript.services.child.jail import MEMORY_MAX, Layer
 from elitescript.services.child.remote_files import FileDesk
 from elitescript.services.child.spare import Spares
@@ -76,6 +76,8 @@ class KeptTick(NamedTuple):
     parts: int
     """Of its snapshot that are read, as bits."""
     asks_due: bool
+    ahead: int = 0
+    """How many rows of the ticks after it are asked for."""
 
 
 class ChildLink:
@@ -96,8 +98,10 @@ class ChildLink:
     """
 
     __slots__ = (
+        "_ahead",
         "_alarm",
         "_answered",
+        "_asks_from",
         "_changed",
         "_compilers",
         "_description",
@@ -150,6 +154,10 @@ class ChildLink:
         self._memory_max = memory_max
         self._compilers = CompilerDesk(options, is_jailed=is_jailed)
         self._spares = spares
+        self._ahead = 0
+        """How many rows were asked for last: the more, the longer nothing has been given to the robot."""
+        self._asks_from = 0
+        """Tick from which on rows are asked for again: there were none when they were asked for last."""
         self._is_hurried = False
         """Whether something urgent waits for the next tick."""
         self._urgent_since_s: float | None = None
@@ -247,6 +255,26 @@ class ChildLink:
         """See `RobotLink.watch`: a child may end at any time."""
         self._on_due = on_due
 
+    def knows(self, number: int, parts: int) -> bool:
+        """See `RobotLink.knows`."""
+        return self._transport is not None and self._is_known(self._transport, number, parts)
+
+    def known(self, number: int, parts: int) -> Output | None:
+        """See `RobotLink.known`: nothing is to be done for such a tick but to take its row."""
+        transport = self._transport
+        if transport is None or self._urgent_since_s is not None or not self._is_known(transport, number, parts):
+            return None
+        if not parts or (output := transport.take_row(number, parts)) is None:
+            return None
+        assert isinstance(output, Output)
+        self._grace_left_s = min(self._grace_left_s + GRACE_PER_TICK_S, self._grace_s)
+        self._next = number + 1
+        self._supervision.note_answer(number - self._answered)
+        self._answered = number
+        self._outputs.pass_on(output)
+        transport.process.watch(True)
+        return output
+
     async def tick(
         self,
         inputs: Sequence[Input],
@@ -261,7 +289,7 @@ class ChildLink:
         Raises:
             ElitescriptError: one child after the other has ended.
         """
-        tick = self._next if number is None else number
+        tick, is_known = self._next if number is None else number, False
         self._grace_left_s += (tick - self._next) * GRACE_PER_TICK_S
         self._next = tick + 1
         self._pending.add(inputs)
@@ -273,7 +301,8 @@ class ChildLink:
         if (transport := self._transport) is not None:
             # Where every tick runs, nearly all answers have come when outputs leave: the loop need not wake for them.
             is_prompt = not transport.unanswered and tick >= self._watched_until
-            transport.process.watch(outlet is None or asks_due or not is_prompt)
+            is_known = self._is_known(transport, tick, parts)
+            transport.process.watch(outlet is None or asks_due or is_known or not is_prompt)
             if self._behind(transport) >= LAG_MAX:
                 await self._let_catch_up(transport)
             else:
@@ -282,11 +311,16 @@ class ChildLink:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
                 self._pass_code(transport)
-                self._kept.append(KeptTick(tick, parts, asks_due))
-                self._send_kept(transport)
+                if is_known:
+                    transport.await_row(tick, parts)
+                else:
+                    ahead = 0 if outlet is None or asks_due else self._rows_to_ask(transport, tick)
+                    self._kept.append(KeptTick(tick, parts, asks_due, ahead))
+                    self._send_kept(transport)
         if outlet is not None:
             await outlet()
-            if transport is not None:
+            # Where the output was known, the event loop reads what comes.
+            if transport is not None and not is_known:
                 transport.process.read()
                 if transport.unanswered:
                     self._watched_until = tick + TICKS_PER_S
@@ -368,10 +402,9 @@ class ChildLink:
     def _send_kept(self, transport: ChildTransport) -> None:
         """Send ticks, as many as may be under way; all that waits for the robot goes into the first of them."""
         while self._kept and len(transport.unanswered) < UNDER_WAY_MAX and not transport.end_reason:
-            tick, parts, asks_due = self._kept.popleft()
-            self._send_tick(transport, tick, parts, asks_due=asks_due)
+            self._send_tick(transport, *self._kept.popleft())
 
-    def _send_tick(self, transport: ChildTransport, tick: int, parts: int, *, asks_due: bool) -> None:
+    def _send_tick(self, transport: ChildTransport, tick: int, parts: int, asks_due: bool, ahead: int) -> None:
         inputs = self._pending.portion()
         if refused := self._pending.take_refused():
             text = said(
@@ -380,13 +413,35 @@ class ChildLink:
                 waiting_max=WAITING_MAX,
             )
             self._outputs.add_own(Warned(tick, text))
-        if self._needs_snapshot(transport, tick):
-            parts = ALL_PARTS
-        if parts == ALL_PARTS:
+        is_whole = parts == ALL_PARTS or self._needs_snapshot(transport, tick + ahead)
+        if is_whole:
             self._snapshot_tick = tick
         if not transport.unanswered:
             self._supervision.watch_from_now()
-        transport.send_tick(tick, inputs, parts, asks_due=asks_due)
+        transport.send_tick(tick, inputs, parts, asks_due=asks_due, is_whole=is_whole, ahead=ahead)
+
+    def _is_known(self, transport: ChildTransport, tick: int, parts: int) -> bool:
+        """Return whether the child has given the output of a tick ahead: nothing that it does not know is in it."""
+        if self._pending or self._kept or self._compilers.is_active or not self._outputs.is_settled:
+            return False
+        return transport.knows(tick, parts)
+
+    def _rows_to_ask(self, transport: ChildTransport, tick: int) -> int:
+        """Return how many rows to ask for with the tick that is sent now.
+
+        They are lost when something comes in; so there are more only while nothing does. The digests of a journal cover
+        every tick; a child that is late has more to do than ticks that are not there yet. Where there are none, since
+        every tick is due, looking for them would cost each tick something.
+        """
+        if self._ahead and not self._behind(transport) and not transport.gave_rows:
+            self._ahead, self._asks_from = 0, tick + AHEAD_TICKS
+        if self._pending or self._compilers.is_active or self._journal is not None:
+            self._ahead = 0
+        elif self._behind(transport) or tick < self._asks_from or not self._supervision.answered:
+            return 0
+        else:
+            self._ahead = min(2 * self._ahead + 1, AHEAD_TICKS)
+        return self._ahead
 
     def _pass_code(self, transport: ChildTransport) -> None:
         """Give the robot what its compiler has made meanwhile: as much as it takes in a tick."""
@@ -395,8 +450,8 @@ class ChildLink:
             transport.send_code(code)
         self._pending.add(inputs)
 
-    def _needs_snapshot(self, transport: ChildTransport, tick: int) -> bool:
-        """Return whether a tick needs a whole snapshot that nothing reads in it.
+    def _needs_snapshot(self, transport: ChildTransport, last: int) -> bool:
+        """Return whether a tick needs a whole snapshot that nothing reads in it; the next can be had after tick `last`.
 
         The digests of a journal cover the snapshot of every tick; the first of a child has all that changes later ones
         refer to; while outputs leave later than in their own tick, what is due then reads the one of an earlier tick.
@@ -405,7 +460,7 @@ class ChildLink:
             return True
         if transport.unanswered or self._kept or not self._outputs.is_empty:
             return True
-        return tick - self._snapshot_tick >= REFRESH_TICKS
+        return last - self._snapshot_tick >= REFRESH_TICKS
 
     # ---------------------------------------------------------------- up
 

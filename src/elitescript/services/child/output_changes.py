@@ -98,13 +98,18 @@ class OutputWriter:
 
     def message(self, output: Output) -> tuple[str, bytes]:
         """Return the letter and content of the message for an output."""
+        if self._values:
+            return frames.OUTPUT_CHANGES, self.changes(output)
+        self._values = self._values_of(output.snapshot)
+        for value, (bit, pack) in zip(self._values, self._fields, strict=True):
+            if bit:
+                self._packed[bit] = pack(value)
+        return frames.OUTPUT, to_text(with_parts(self._shape.encode(without_points(output)))).encode()
+
+    def changes(self, output: Output) -> bytes:
+        """Return what is new in an output since the last one that was written."""
         last, self._values = self._values, self._values_of(output.snapshot)
         packed = self._packed
-        if not last:
-            for value, (bit, pack) in zip(self._values, self._fields, strict=True):
-                if bit:
-                    packed[bit] = pack(value)
-            return frames.OUTPUT, to_text(with_parts(self._shape.encode(without_points(output)))).encode()
         bits = 0
         parts = [b""]
         changes: list[Any] = []
@@ -129,7 +134,7 @@ class OutputWriter:
             if output.events:
                 written[0] = with_parts(written[0])
             parts.append(to_text([*written, changes]).encode())
-        return frames.OUTPUT_CHANGES, b"".join(parts)
+        return b"".join(parts)
 
 
 def _packer(layout: struct.Struct) -> Any:

@@ -24,7 +24,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import Compiled, Debug, Input, Interpret, LoadTask, PlayTask, Query, RunUnit
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.messages.snapshot_parts import TIME
+from elitescript.messages.snapshot_parts import ALL_PARTS, TIME
 from elitescript.messages.state import RobotState
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.services.child import frames, output_changes
@@ -32,6 +32,7 @@ from elitescript.services.child.jail import Layer
 from elitescript.services.child.output_changes import OutputReader
 from elitescript.services.child.process import ChildProcess
 from elitescript.services.child.remote_files import FileDesk
+from elitescript.services.child.rows_ahead import RowsAhead
 from elitescript.services.options_data import options_data
 
 READING_MAX_S: Final = 0.25
@@ -53,7 +54,7 @@ class SentTick:
     number: int
     inputs: Sequence[Input]
     parts: int
-    """Those of its snapshot that are asked for, as bits."""
+    """Those of its snapshot that are read, as bits."""
     text: str
     """The inputs as JSON text."""
     size: int = 0
@@ -64,6 +65,8 @@ class SentTick:
     """When the first question about files came in it."""
     cut: Cut = WHOLE
     """How far programs came in it."""
+    ahead: int = 0
+    """How many rows of the ticks after it are asked for, with the same parts."""
 
 
 class Compilers(Protocol):
@@ -124,6 +127,7 @@ class ChildTransport:
         "_reader",
         "_reading_s",
         "_result_shape",
+        "_rows",
         "description",
         "end_reason",
         "failure",
@@ -153,6 +157,7 @@ class ChildTransport:
         self._input_shape = shape_of(Input)
         self._line_shape = field_shapes(RobotState)["line"]
         self._result_shape = shape_of(TickResult)
+        self._rows = RowsAhead()
         self._reader = OutputReader()
         self._reading_s = 0.0
         self._is_running = False
@@ -207,18 +212,68 @@ class ChildTransport:
         self.is_begun = True
         self.process.send(frames.BEGIN, to_text(options_data(options)))
 
-    def send_tick(self, number: int, inputs: Sequence[Input], parts: int, *, asks_due: bool) -> None:
-        """Send a tick with its inputs, and ask for parts of its snapshot, and for the next tick that is due."""
+    def send_tick(
+        self, number: int, inputs: Sequence[Input], parts: int, *, asks_due: bool, is_whole: bool, ahead: int = 0
+    ) -> None:
+        """Send a tick with its inputs, and ask for parts of its snapshot, the next tick that is due, and rows ahead.
+
+        Args:
+            number: of the tick.
+            inputs: in order.
+            parts: of its snapshot that are read, as bits; of those of the rows too.
+            asks_due: whether the next tick that is due is to be found out.
+            is_whole: whether its snapshot is to have all parts, whatever is read.
+            ahead: how many rows of the ticks after it are asked for, `AHEAD_TICKS` at most.
+        """
+        self._rows.end_before(number)
         if inputs:
             text = to_text([self._input_shape.encode(item) for item in inputs])
             if any(isinstance(item, _BEGINNING) for item in inputs):
                 self._may_run_until = number + RUNNING_TICKS
             size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
-            self.unanswered.append(SentTick(number, inputs, parts, text, size))
+            sent = SentTick(number, inputs, parts, text, size)
         else:
             text = ""
-            self.unanswered.append(SentTick(number, inputs, parts, NO_INPUTS))
-        self.process.send(frames.TICK, frames.tick_content(number, parts, asks_due, text))
+            sent = SentTick(number, inputs, parts, NO_INPUTS)
+        sent.ahead = ahead
+        self.unanswered.append(sent)
+        content = frames.tick_content(number, ALL_PARTS if is_whole else parts, asks_due, text, ahead, parts)
+        self.process.send(frames.TICK, content)
+
+    def knows(self, number: int, parts: int) -> bool:
+        """Return whether the child has given the output of a tick ahead, or will: it is not sent without inputs."""
+        return self._rows.knows(number, parts) and not self.end_reason
+
+    @property
+    def gave_rows(self) -> bool:
+        """Whether rows ahead followed the last answer."""
+        return self._rows.count > 0
+
+    def await_row(self, number: int, parts: int) -> None:
+        """Take the row of a tick of `knows` as the tick's output: now, or when it comes."""
+        sent = SentTick(number, (), parts, NO_INPUTS)
+        output = self.take_row(number, parts)
+        if output is None:
+            self.unanswered.append(sent)
+        else:
+            self._on_output(sent, output, self._rows.due)
+
+    def take_row(self, number: int, parts: int) -> Output | TickResult | None:
+        """Return what a tick of `knows` gives, as if the child had been sent it; None if that has not come yet."""
+        if self.unanswered:
+            return None
+        row = self._rows.take(number)
+        if row is None:
+            self.process.read()
+            row = self._rows.take(number)
+        return None if row is None else self._given(row, parts)
+
+    def _given(self, row: Output, parts: int) -> Output | TickResult:
+        """Return a row as the output of its tick, with what is read in it and no more."""
+        self._desk.new_tick()
+        if not parts:
+            return TickResult(row.tick, (), (), ())
+        return row if row.parts == parts | TIME else row.with_snapshot(row.snapshot, parts | TIME)
 
     def send_code(self, content: bytes) -> None:
         """Send a part of a program that was compiled."""
@@ -250,6 +305,8 @@ class ChildTransport:
     def _take(self, letter: str, text: bytes) -> None:
         if letter in (frames.OUTPUT, frames.OUTPUT_CHANGES, frames.RESULT):
             self._take_output(letter, text)
+        elif letter == frames.ROW:
+            self._take_row(text)
         elif letter == frames.QUESTION:
             self._take_question(text)
         elif letter == frames.TEXT:
@@ -273,16 +330,9 @@ class ChildTransport:
     def _take_output(self, letter: str, text: bytes) -> None:
         if not self.unanswered:
             raise CodecError("an output that was not asked for")
-        due, cut, text = frames.read_answer(text)
+        due, rows, cut, text = frames.read_answer(text)
         self._reading_s *= READING_KEPT
-        if len(text) < READ_FREELY:
-            output = self._read_output(letter, text)
-        else:
-            began_s = time.thread_time()
-            output = self._read_output(letter, text)
-            self._reading_s += time.thread_time() - began_s
-            if self._reading_s > READING_MAX_S:
-                raise CodecError("it says so much that reading it takes the time of other clients")
+        output = self._measured(letter, text, self.unanswered[0].parts)
         sent = self.unanswered.popleft()
         self._desk.new_tick()
         if output.tick != sent.number:
@@ -295,7 +345,34 @@ class ChildTransport:
             self._check_cut(sent)
             sent.cut = cut
         self._note_programs(output)
+        if rows > sent.ahead:
+            raise CodecError(f"{rows} rows after tick {sent.number}, and {sent.ahead} were asked for")
+        self._rows.announce(sent.number, rows, sent.parts, due, is_newest=not self.unanswered)
         self._on_output(sent, output, due)
+
+    def _take_row(self, text: bytes) -> None:
+        row = self._measured(frames.OUTPUT_CHANGES, text, self._rows.parts)
+        assert isinstance(row, Output)
+        if self._rows.add(row) and self.unanswered and self.unanswered[0].number == row.tick:
+            taken = self._rows.take(row.tick)
+            assert taken is not None
+            sent = self.unanswered.popleft()
+            self._on_output(sent, self._given(taken, sent.parts), self._rows.due)
+
+    def _measured(self, letter: str, text: bytes, parts: int) -> Output | TickResult:
+        """Read an output.
+
+        Raises:
+            CodecError: it is none, or those of late have taken too long to be read.
+        """
+        if len(text) < READ_FREELY:
+            return self._read_output(letter, text, parts)
+        began_s = time.thread_time()
+        output = self._read_output(letter, text, parts)
+        self._reading_s += time.thread_time() - began_s
+        if self._reading_s > READING_MAX_S:
+            raise CodecError("it says so much that reading it takes the time of other clients")
+        return output
 
     def _note_programs(self, output: Output | TickResult) -> None:
         if isinstance(output, Output):
@@ -310,10 +387,10 @@ class ChildTransport:
         if not self._is_running and sent.number > self._may_run_until:
             raise CodecError(f"tick {sent.number} was cut, and no program runs")
 
-    def _read_output(self, letter: str, text: bytes) -> Output | TickResult:
+    def _read_output(self, letter: str, text: bytes, parts: int) -> Output | TickResult:
         if letter == frames.RESULT:
             return self._read_result(text)
-        return self._reader.read(letter, text, self.unanswered[0].parts | TIME)
+        return self._reader.read(letter, text, parts | TIME)
 
     def _read_result(self, text: bytes) -> TickResult:
         """Read what a tick gives without its snapshot."""

@@ -5,7 +5,8 @@ which belongs to the tick that is next then. A tick that is not due is never lat
 
 A tick has two moments: it begins when it is due, and what it gives leaves `OUTLET_NS` later. How long the robot takes
 differs from tick to tick, the more so when its process or the caches have to be woken up; what leaves at an appointed
-time does not show it.
+time does not show it. When it is known before what a tick gives, there is nothing to do at its beginning: the cycle
+sleeps until the outlet, unless something comes in before the beginning.
 
 The timers of an event loop have a resolution of 1 ms; on Linux a `timerfd` wakes us within 0.1 ms instead. A tick that
 begins late is counted; ticks that have been missed are made up for, one after the other, so that robot time and wall
@@ -63,16 +64,19 @@ class Cycle:
         lag_ticks: whole periods by which the present tick began late; those that are left out do not count.
         left_out: ticks that never were, because the computer was away or too slow.
         worst_ns: the latest beginning of a tick since `worst_ns` was last set to 0.
+        is_at_outlet: whether `next` has returned at the outlet of the tick: it has begun with nothing that is given.
     """
 
     __slots__ = (
         "_due_ns",
+        "_is_wanted",
         "_leap",
         "_on_left_out",
         "_outlet_timer",
         "_passed_after_ns",
         "_timer",
         "_waiter",
+        "is_at_outlet",
         "lag_ticks",
         "left_out",
         "overruns",
@@ -94,6 +98,9 @@ class Cycle:
         self._passed_after_ns = 0
         """After its beginning a tick that is leapt over has given what it would have given."""
         self._waiter: asyncio.Future[None] | None = None
+        self._is_wanted = True
+        """Whether the tick that is waited for is to be woken up for at its beginning."""
+        self.is_at_outlet = False
         self.overruns = 0
         self.lag_ticks = 0
         self.left_out = 0
@@ -103,7 +110,7 @@ class Cycle:
         """Make the next tick due a period from now; what was missed before is not made up for."""
         self._due_ns = 0
 
-    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
+    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False, is_known: bool = False) -> int:
         """Return when the next tick begins; others are served before it in any case.
 
         Before a tick that begins late, all that has arrived by the time of `lag_ticks` is read; what arrives later is
@@ -112,6 +119,7 @@ class Cycle:
         Args:
             ticks: how many ticks on the next one is that is due; None if there is none.
             has_outlet: whether what ticks give leaves at `outlet`, that of the ticks between too.
+            is_known: whether it is known what the next tick gives if nothing comes in before it; `is_at_outlet` then.
 
         Returns:
             How many ticks on the one is that begins; fewer after `make_due`, or than `LEAP_MAX_TICKS`.
@@ -121,15 +129,22 @@ class Cycle:
             self._due_ns = now_ns
         self._leap = LEAP_MAX_TICKS if ticks is None else min(ticks, LEAP_MAX_TICKS)
         self._due_ns += self._leap * PERIOD_NS
-        self._passed_after_ns = OUTLET_NS if has_outlet and self._outlet_timer.is_exact else 0
-        if now_ns >= self._due_ns:
+        has_exact_outlet = has_outlet and self._outlet_timer.is_exact
+        self._passed_after_ns = OUTLET_NS if has_exact_outlet else 0
+        self.is_at_outlet = False
+        begin_ns = self._due_ns
+        if is_known and has_exact_outlet and self._leap == 1 and now_ns < self._due_ns:
+            now_ns = await self._until_outlet()
+            if self.is_at_outlet:
+                begin_ns += OUTLET_NS
+        elif now_ns >= self._due_ns:
             await asyncio.sleep(0)
             now_ns = time.monotonic_ns()
         else:
             now_ns = await self._until_due()
         gone_on, self._leap = self._leap, 1
-        self._note(now_ns - self._due_ns, now_ns)
-        if self.lag_ticks:
+        self._note(now_ns - begin_ns, now_ns)
+        if self.lag_ticks and not self.is_at_outlet:
             # The loop looks for what has arrived in the first of these rounds, and hands it on in the second.
             await asyncio.sleep(0)
             await asyncio.sleep(0)
@@ -146,7 +161,15 @@ class Cycle:
         Returns:
             How many ticks on it is from the last one that `next` has returned for.
         """
-        if self._leap > 1:
+        if not self._is_wanted:
+            now_ns = time.monotonic_ns()
+            if now_ns >= self._due_ns:
+                # It has begun.
+                return 2
+            self._is_wanted = True
+            if self._waiter is not None:
+                self._timer.wake_at(self._due_ns, self._waiter)
+        elif self._leap > 1:
             left = self._leap - self._begun(time.monotonic_ns()) - 1
             if left:
                 self._due_ns -= left * PERIOD_NS
@@ -167,6 +190,25 @@ class Cycle:
             self._timer.wake_at(self._due_ns, self._waiter)
             await self._waiter
         return now_ns
+
+    async def _until_outlet(self) -> int:
+        """Wait for the outlet of the tick that is due; for its beginning alone if `make_due` is called before that.
+
+        Returns:
+            What time it is then.
+        """
+        self._is_wanted = False
+        try:
+            while (now_ns := time.monotonic_ns()) < self._due_ns + OUTLET_NS:
+                if self._is_wanted:
+                    return await self._until_due()
+                self._waiter = PromptFuture()
+                self._outlet_timer.wake_at(self._due_ns + OUTLET_NS, self._waiter)
+                await self._waiter
+            self.is_at_outlet = not self._is_wanted
+            return now_ns
+        finally:
+            self._is_wanted = True
 
     async def outlet(self) -> None:
         """Return when what the present tick gives is to leave; at once if that was before, or no timer is so exact."""

@@ -270,7 +270,9 @@ class LockstepTime(PacedTime):
         """Whether time waits for a client, and the event loop goes on."""
         return self._news is not None
 
-    async def next(self, ticks_on: Callable[[], int | None], *, has_outlet: bool) -> int:
+    async def next(
+        self, ticks_on: Callable[[], int | None], *, has_outlet: bool, is_known: Callable[[], bool] = lambda: False
+    ) -> int:
         """Return when the next tick begins.
 
         While time goes by the clients, ticks are leapt over as soon as it may go on.
@@ -278,6 +280,7 @@ class LockstepTime(PacedTime):
         Args:
             ticks_on: see `PacedTime.next`.
             has_outlet: not used: what a tick gives leaves at once.
+            is_known: not used: no tick is waited for.
         """
         had_turn = False
         while True:

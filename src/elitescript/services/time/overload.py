@@ -82,9 +82,10 @@ class Overload:
             left_out: ticks since the start that never were.
             worst_ms: the latest beginning since the last report.
         """
-        report = Report(self._ticks, late - self._late_before, left_out - self._left_out_before, worst_ms)
-        if report.ticks + report.left_out < (NEXT_TICKS if self._was_problem else FIRST_TICKS):
+        missing = left_out - self._left_out_before
+        if self._ticks + missing < (NEXT_TICKS if self._was_problem else FIRST_TICKS):
             return None
+        report = Report(self._ticks, late - self._late_before, missing, worst_ms)
         self._ticks, self._late_before, self._left_out_before = 0, late, left_out
         self._was_problem = report.is_problem
         self._has_named_left_out = report.is_problem and bool(report.left_out)

@@ -41,6 +41,11 @@ class PacedTime:
         return self._cycle.lag_ticks
 
     @property
+    def is_at_outlet(self) -> bool:
+        """Whether the present tick has begun without having been woken up for; see `Cycle.is_at_outlet`."""
+        return self._cycle.is_at_outlet
+
+    @property
     def waits_for(self) -> str:
         """Origin of the client that time waits for; empty if there is none."""
         return ""
@@ -50,15 +55,19 @@ class PacedTime:
         """How many of the ticks that are being leapt over have gone by; see `Cycle.passed`."""
         return self._cycle.passed
 
-    async def next(self, ticks_on: Callable[[], int | None], *, has_outlet: bool) -> int:
+    async def next(
+        self, ticks_on: Callable[[], int | None], *, has_outlet: bool, is_known: Callable[[], bool] = lambda: False
+    ) -> int:
         """Return when the next tick begins; see `Cycle.next`.
 
         Args:
             ticks_on: returns how many ticks on the next one is that is due; None if there is none.
             has_outlet: whether what ticks give leaves at `outlet`.
+            is_known: returns whether it is known what the next tick gives if nothing comes in; called after `ticks_on`.
         """
         self._report()
-        gone_on = await self._cycle.next(ticks_on(), has_outlet=has_outlet)
+        ticks = ticks_on()
+        gone_on = await self._cycle.next(ticks, has_outlet=has_outlet, is_known=ticks == 1 and is_known())
         self._overload.pass_on(gone_on)
         return gone_on
 
