@@ -162,21 +162,20 @@ def record_of(keep: str | Iterable[str]) -> EventRecord:
     Raises:
         UsageError: there is no such kind.
     """
-    names = [name.strip() for name in keep.split(",")] if isinstance(keep, str) else list(keep)
+    names = [name.strip() for name in keep.split(",")] if isinstance(keep, str) else [*map(str, keep)]
     if names == ["all"]:
         return EventRecord()
     if names == ["none"]:
         return ChosenEvents(frozenset())
-    kinds: dict[object, type] = {kind.__name__: kind for kind in get_args(Event)}
+    kinds: dict[str, type] = {kind.__name__: kind for kind in get_args(Event)}
     for name in names:
         if name not in kinds:
-            near = did_you_mean(name, kinds) if isinstance(name, str) else ""
             raise UsageError(
                 said(
                     "no kind of event is called {name}{near}; keep takes all, none, or some of {kinds}",
                     name=repr(name),
-                    near=near,
-                    kinds=", ".join(map(str, kinds)),
+                    near=did_you_mean(name, kinds),
+                    kinds=", ".join(kinds),
                 )
             )
     return ChosenEvents(frozenset(kinds[name] for name in names))
