@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: chaos help demo test lowest lint types coverage flips mistakes invariants sound real-arm peers bench quoted steady figures picture stops studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
+.PHONY: chaos foreign help demo test lowest lint types coverage flips mistakes invariants sound real-arm peers bench quoted steady figures picture stops studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -19,6 +19,7 @@ help:
 	@echo "make steady      the tests ten times beside busy cores and twice on one core; TESTS=tests/services for a folder"
 	@echo "make flips       change random constants of tables; prints the changes that no test notices (an hour)"
 	@echo "make mistakes    plant 500 mistakes into sound programs, see which are told; writes docs/explanation/mistakes.md"
+	@echo "make foreign     the tests of this Python as programs, beside Python itself; writes docs/explanation/as-python-is.md"
 	@echo "make sound       the tests; every value of every program must be as the checker describes it"
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
 	@echo "make chaos       random sessions for SECONDS=600, from SEED on: programs, devices, faults, people and clients"
@@ -163,6 +164,14 @@ invariants: $(READY)
 # Other mistakes: python -m tests.mistakes --seed 2
 mistakes: $(READY)
 	$(BIN)/python -m tests.mistakes
+
+# Needs the package `test` of the interpreter; a part: python -m tests.foreign --only test_list
+PYPERFORMANCE := build/pyperformance-1.14.0
+
+foreign: $(READY)
+	@$(BIN)/python -m tests.foreign --installed
+	$(BIN)/python -m pip install -qq --disable-pip-version-check --no-deps --upgrade --target $(PYPERFORMANCE) pyperformance==1.14.0
+	$(BIN)/python -m tests.foreign --programs $(PYPERFORMANCE) --write
 
 # An ordinary session looks at the values of one program in sixteen, this one at all of them; TESTS as above.
 sound: $(READY)

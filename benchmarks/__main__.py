@@ -22,6 +22,7 @@ MODULES = (
     "kinematics",
     "motion",
     "ticks",
+    "trees",
     "serving",
     "devices",
     "choices",

@@ -9,7 +9,7 @@ import tempfile
 import tracemalloc
 from pathlib import Path
 
-from benchmarks.measure import ROOT, environment, middle, process_times, time_of
+from benchmarks.measure import ROOT, best_of_calls, environment, middle, process_times, time_of
 from benchmarks.table import Row, Time, timed_row
 
 RUNS = 10
@@ -54,6 +54,14 @@ def polling():
 end
 """
 """A thread that does something in every tick, beside a main thread that waits or moves."""
+LOOPED = """
+def job():
+  movej([0.3, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+  set_standard_digital_out(0, True)
+  sleep(8.5)
+  textmsg("the arm is at ", get_actual_tcp_pose())
+end
+"""
 _SLEEPING = f"  sleep({POLLING_S})"
 _MOVING = """
   for i in range(5):
@@ -71,6 +79,34 @@ def _start_rows() -> list[Row]:
     return [
         timed_row(what, time, other=empty.cpu_s, beside="python -c pass")
         for what, time in zip(VERBS.values(), times, strict=True)
+    ]
+
+
+def _loop_rows() -> list[Row]:
+    """Runs of one text on new robots, as tests and loops make them: compiled once, and compiled each time."""
+    from elitescript import VirtualRobot
+    from elitescript.language import compiler
+    from elitescript.language.kept_units import KeptUnits
+
+    def compiled_each_time() -> None:
+        compiler.KEPT = KeptUnits(0)
+        VirtualRobot("CS66").run(LOOPED)
+
+    def run() -> None:
+        VirtualRobot("CS66").run(LOOPED)
+
+    kept = compiler.KEPT
+    try:
+        each = best_of_calls(compiled_each_time)
+    finally:
+        compiler.KEPT = kept
+    return [
+        timed_row(
+            "a run of 10 s on a new robot, the same text again",
+            best_of_calls(run),
+            other=each.cpu_s,
+            beside="compiled each time",
+        )
     ]
 
 
@@ -181,4 +217,4 @@ def _day_rows() -> list[Row]:
 
 def rows() -> list[Row]:
     """Starts, programs and days."""
-    return _start_rows() + _free_run_rows() + _trace_memory_rows() + _polling_rows() + _day_rows()
+    return _start_rows() + _loop_rows() + _free_run_rows() + _trace_memory_rows() + _polling_rows() + _day_rows()

@@ -58,6 +58,14 @@ W220   warning   `return` that is missing on one path
 W221   warning   reading that a secondary program does not wait for
 W222   warning   text in GBK that is UTF-8 by chance
 W223   warning   variable that nothing reads, beside one of nearly the same name
+W224   warning   list that stands in several places and is changed
+W225   warning   list that is changed in the loop that goes through it
+W276   warning   text with places that nothing fills
+W277   warning   result of a call that gives none
+W278   warning   call that fails with these values
+W279   warning   `^` where a power is meant
+W238   warning   lock that stays acquired
+W239   warning   number of another quantity
 W240   warning   comparison that is never, or always, true
 W241   warning   condition that is always true, or not what it seems
 W242   warning   measured values compared exactly
@@ -91,6 +99,7 @@ N222   note      thread that the end of the program ends
 N223   note      output behind a blended move
 N224   note      path that stops at each of its points
 N226   note      sleep that is very long
+N228   note      function that nothing calls
 E301   error     unknown command
 E302   error     command of a newer firmware
 E303   error     wrong number or names of arguments

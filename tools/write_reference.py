@@ -29,6 +29,7 @@ from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, cell
 from tools.modbus_page import modbus_page
 from tools.model_tables import model_tables
+from tools.modules_page import modules_page
 from tools.options_page import keywords_module, options_page
 from tools.ports_page import ports_page
 from tools.primary_page import primary_page
@@ -241,6 +242,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "faults.md": faults_page,
     "interpreter.md": interpreter_page,
     "modbus.md": modbus_page,
+    "modules.md": modules_page,
     "options.md": options_page,
     "ports.md": ports_page,
     "primary.md": primary_page,

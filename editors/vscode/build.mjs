@@ -23,6 +23,9 @@ if (process.argv.includes("--tests")) {
   await mkdir(path.join(HERE, "syntaxes"), { recursive: true });
   const grammar = "elitescript.tmLanguage.json";
   await copyFile(path.join(HERE, "..", "textmate", grammar), path.join(HERE, "syntaxes", grammar));
+  // Files of program trees are XML, whose grammar the editor has.
+  const task = { name: "Elite Robots task", scopeName: "text.elitescript-task", patterns: [{ include: "text.xml" }] };
+  await writeFile(path.join(HERE, "syntaxes", "elitescript-task.tmLanguage.json"), `${JSON.stringify(task, null, 2)}\n`);
   await copyFile(path.join(HERE, "..", "..", "LICENSE"), path.join(HERE, "LICENSE"));
   const made = await build({
     ...COMMON,

@@ -89,6 +89,8 @@ _ROWS: Final = (
     Code("W221", "warning", "reading that a secondary program does not wait for", is_tolerated=True),
     Code("W222", "warning", "text in GBK that is UTF-8 by chance"),
     Code("W223", "warning", "variable that nothing reads, beside one of nearly the same name", is_tolerated=True),
+    Code("W224", "warning", "list that stands in several places and is changed", is_tolerated=True),
+    Code("W225", "warning", "list that is changed in the loop that goes through it", is_tolerated=True),
     # What is hardly meant in a graphical program; see `program_tree.checking`.
     Code("W226", "warning", "waypoint whose pose and joint positions disagree", is_tolerated=True),
     Code("W227", "warning", "variable of the installation without a value", is_tolerated=True),
@@ -103,6 +105,8 @@ _ROWS: Final = (
     Code("W235", "warning", "blend radius longer than half of the move", is_tolerated=True),
     Code("W236", "warning", "target that the arm cannot reach", is_tolerated=True),
     Code("W237", "warning", "joint positions where a pose belongs, or the reverse", is_tolerated=True),
+    Code("W238", "warning", "lock that stays acquired", is_tolerated=True),
+    Code("W239", "warning", "number of another quantity", is_tolerated=True),
     Code("W240", "warning", "comparison that is never, or always, true", is_tolerated=True),
     Code("W241", "warning", "condition that is always true, or not what it seems", is_tolerated=True),
     Code("W242", "warning", "measured values compared exactly", is_tolerated=True),
@@ -141,6 +145,7 @@ _ROWS: Final = (
     Code("N225", "note", "what is missing beside a graphical program"),
     Code("N226", "note", "sleep that is very long"),
     Code("N227", "note", "branch of a graphical program in which nothing stands"),
+    Code("N228", "note", "function that nothing calls"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),
@@ -148,6 +153,11 @@ _ROWS: Final = (
     Code("W273", "warning", "arm, tool or payload that touches something"),
     Code("W274", "warning", "connection that the options of the robot do not let through"),
     Code("W275", "warning", "text that a device sends in GBK"),
+    # What the text shows, again.
+    Code("W276", "warning", "text with places that nothing fills", is_tolerated=True),
+    Code("W277", "warning", "result of a call that gives none", is_tolerated=True),
+    Code("W278", "warning", "call that fails with these values", is_tolerated=True),
+    Code("W279", "warning", "`^` where a power is meant", is_tolerated=True),
     # What observers of a run find.
     Code("N280", "note", "data that was left unread"),
     Code("W280", "warning", "end of a program while the arm is under way"),

@@ -96,6 +96,16 @@ def tables_of(file: Path, text: str) -> dict[str, Any]:
     return toml_tables(text, str(file), WORLD.noun)
 
 
+def names_arm(world: str | Path) -> bool:
+    """Return whether a world file says which arm the robot is.
+
+    Raises:
+        UsageError: it cannot be read.
+    """
+    robot = tables_of(Path(world), world_text(Path(world))).get(ROBOT_SECTION)
+    return isinstance(robot, dict) and "model" in robot
+
+
 def arm_of_program(program: str | Path, world: str | Path | None) -> str:
     """Return the arm of a graphical program, which a robot has that is told no other; empty: it is told one, or none.
 
@@ -108,10 +118,8 @@ def arm_of_program(program: str | Path, world: str | Path | None) -> str:
     """
     if not is_task_name(Path(program).name):
         return ""
-    if world is not None:
-        robot = tables_of(Path(world), world_text(Path(world))).get(ROBOT_SECTION)
-        if isinstance(robot, dict) and "model" in robot:
-            return ""
+    if world is not None and names_arm(world):
+        return ""
     # Imported late: few programs are graphical.
     from elitescript.environment.task_files import arm_of_file
 

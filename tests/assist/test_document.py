@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+from weakref import ref
+
 import pytest
 
 from elitescript.assist.document import Document
@@ -76,3 +79,16 @@ def test_findings_of_an_older_version_are_given_up_before_the_next_step(step):
     assert step not in document.__dict__
     document.is_outdated = False
     assert [found.code for found in document.quick_problems] == ["W201"]
+
+
+def test_what_was_found_can_be_let_go_and_found_again():
+    document = Document("a.script", "def p():\n  def f(x):\n    return x\n  end\n  y = f(1) + nonsense\nend\n")
+    found = document.problems, [found.span for found in document.names.occurrences]
+    seen = ref(document.program.symbols)
+    gc.disable()
+    try:
+        document.release()
+        assert seen() is None
+    finally:
+        gc.enable()
+    assert (document.problems, [found.span for found in document.names.occurrences]) == found

@@ -176,14 +176,17 @@ class TestLayout:
             'def job():\n  print  "x" ,1\n  a=12L\n  b = 1\nend\n'
         )
 
-    def test_an_indentation_behind_a_backslash_stays(self):
-        text = "def job():\n\\\n    a=1\n    b=2\nend\n"
-        try:
-            before = compiled(text)
-        except ProgramError:
-            assert formatted(text).problems
-        else:
-            assert compiled(laid_out(text)) == before
+    @pytest.mark.parametrize(
+        "text",
+        [
+            "def job():\n\\\n    a=1\n    b=2\nend\n",
+            "def job():\n    \\\na=1\n    b=f(2,\n  3)\nend\n",
+            "def job():\n   \\\n  \\\na=1\n   # c\n   b=2\nend\n",
+        ],
+    )
+    def test_an_indentation_before_a_backslash_stays(self, text):
+        assert compiled(laid_out(text)) == compiled(text)
+        assert laid_out(text) == text.replace("=", " = ")
 
 
 class TestWhatIsLeft:

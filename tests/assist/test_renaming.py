@@ -339,3 +339,10 @@ def test_a_name_that_is_there_already_is_refused_or_means_the_same() -> None:
                 assert shown(after) == out, (seed, item, after)
                 done += 1
     assert done >= CASES // 20
+
+
+@pytest.mark.parametrize("name", ["cell.task", "/cells/cell.task.script", "file:///cell.TASK"])
+def test_a_script_of_a_tree_is_renamed_in_the_tree(name):
+    document = Document(name, "n = 1\ntextmsg(n)\n")
+    assert "is generated from the tree in cell." in rename(document, 1, 1, "k").refusal
+    assert "is generated from the tree in cell." in prepare_rename(document, 1, 1).refusal

@@ -22,7 +22,7 @@ from elitescript.services.log import DEVICE, LogLine
 from elitescript.shown import shown
 from tests.cli.calls import Call, chosen, of, prepare
 
-PLANTED = "     4.244 s  finished (robot time; 0.01 s of yours)"
+PLANTED = "     4.244 s  finished (robot time; 0.01 s on this computer)"
 TEXTS = {
     "workflow commands": "a\n::add-mask::hello\n  ::error file=x::y\n\u3000::warning::z",
     "commands anywhere": "##[error]a ##vso[task.setvariable variable=b]c ##teamcity[d",

@@ -699,6 +699,13 @@ def test_no_text_of_a_program_acts_in_the_console(client, tmp_path):
     ]
 
 
+def test_the_end_counts_what_was_found(client, tmp_path):
+    client.initialize()
+    lines = "  movej([0, -1.57, -1.57, -1.57, 1.57, 0], v=60, a=80)\n  speedj([0.3, 0, 0, 0, 0, 0], 1.0, 0.5)\n"
+    client.stop_of(client.launch(program(tmp_path, f"def cell():\n{lines}end\n")))
+    assert client.texts()[-1].endswith(", 4 warnings\n")
+
+
 class TestConditions:
     """What cannot be evaluated: what the client is told; see tests/debugger/test_conditions.py."""
 

@@ -18,6 +18,7 @@ from elitescript.messages.events import Alarm, TaskStateChanged, TextMessage, Wa
 from elitescript.messages.inputs import Compiled, Do, LoadTask, PlayTask, Reboot, RunUnit
 from elitescript.messages.machine import AskSafety, StopTask
 from elitescript.messages.outcomes import Done, Refused
+from elitescript.services.compiler.jobs import job_bytes, read_job
 
 FILLER = "\n".join(f"  x = {number}" for number in range(LONG_TEXT // 8))
 
@@ -255,3 +256,22 @@ def test_findings_with_ignored_codes_are_left_out_of_long_and_short_texts():
         robot.tick(sent(long))
         robot.tick(Compiled("compiler", robot.shelf.jobs[0].number))
         assert sum("only gives a value" in text for text in robot.said) == expected
+
+
+def test_a_long_graphical_program_is_generated_elsewhere_too():
+    """Nothing of its tree is read between two ticks; the reply comes when the program begins."""
+    step = '<WaitNode type="WAIT_TIME"><waitTime value="0.5" unit="S"/></WaitNode>'
+    steps = step * (LONG_TEXT // len(step) + 1)
+    text = f'<EliTask name="cell" installationName="i"><MainTask isTaskAlwaysLoops="false">{steps}</MainTask></EliTask>'
+    files = {"cell.task": text.encode(), "i.configuration.variables": b"<VariablesManager/>"}
+    robot = Robot(files, power_on=True)
+    robot.tick(LoadTask("dashboard#1/1", "cell.task"))
+    robot.tick(PlayTask("dashboard#1/2"), count=3)
+    (job,) = robot.shelf.jobs
+    assert job.is_tree
+    assert "i.configuration.variables" in job.text
+    assert read_job(job_bytes(job)) == job
+    assert [origin for origin, _ in robot.replies] == ["dashboard#1/1"]
+    assert "playing cell" in robot.tick(Compiled("compiler", job.number))
+    assert robot.replies[-1] == ("dashboard#1/2", Done())
+    assert robot.kernel.host.source.place(26) == "1 Robot Main Task > 4 Wait"

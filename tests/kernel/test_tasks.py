@@ -8,7 +8,7 @@ import pytest
 
 from elitescript.environment.memory import MemoryEnvironment
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm
+from elitescript.messages.events import Alarm, TaskStateChanged, Warned
 from elitescript.messages.inputs import GetVariable, LoadConfiguration, LoadTask, PlayTask, Reboot, SetVariable
 from elitescript.messages.machine import AskSafety, PauseTask, StopTask
 from elitescript.messages.outcomes import Done, Refused, ShownValue
@@ -214,3 +214,65 @@ class TestVariables:
         session.send(Reboot("ctl"))
         assert session.last.snapshot.task.loaded == ""
         assert isinstance(self.get(session, "n"), Refused)
+
+
+class TestTrees:
+    """Graphical programs of the task folder."""
+
+    STEP = (
+        '<ScriptNode scriptType="LINE_TYPE" typeName="Script"><Expression><ExpressionTokenCell scriptCode="{}"/>'
+        "</Expression></ScriptNode>"
+    )
+
+    def tree(self, *lines: str, name: str = "cell", given: str = "") -> bytes:
+        steps = "".join(self.STEP.format(line) for line in lines)
+        body = f'<MainTask isTaskAlwaysLoops="false" typeName="Robot Main Task">{steps}</MainTask>'
+        return f'<EliTask name="{name}" {given}>{body}</EliTask>'.encode()
+
+    def test_alarms_and_findings_name_the_node(self):
+        session = Session(READY, MemoryEnvironment({"a.task": self.tree("x = [1][3]")}))
+        load(session, "a.task")
+        play(session)
+        (alarm,) = session.of(Alarm)
+        assert alarm.details["node"] == "1 Robot Main Task > 2 Script"
+        (found,) = [event for event in session.of(Warned) if event.code == "W265"]
+        assert found.text.startswith("1 Robot Main Task > 2 Script: `[1]` has")
+
+    def test_a_node_that_cannot_be_generated_is_named(self):
+        session = Session(READY, MemoryEnvironment({"a.task": self.tree("")}))
+        load(session, "a.task")
+        assert "1 Robot Main Task > 2 Script (script line " in play(session).reason
+        (alarm,) = session.of(Alarm)
+        assert alarm.text.startswith("1 Robot Main Task > 2 Script (script line ")
+
+    def test_a_broken_file_has_its_place(self):
+        session = Session(READY, MemoryEnvironment({"a.task": b"<EliTask>\n<MainTask>\n</EliTask>"}))
+        load(session, "a.task")
+        assert "no XML" in play(session).reason
+        (alarm,) = session.of(Alarm)
+        assert (alarm.code, alarm.line) == ("E004", 3)
+
+    def test_names_in_chinese_and_folders(self):
+        variables = '<VariablesManager><Variable name="问候" value="&quot;好&quot;"/></VariablesManager>'.encode()
+        files = {
+            "单元/取料.task": self.tree(
+                "textmsg(问候)", name="取料", given='installationName="安装" installationDirectory="/配置/一"'
+            ),
+            "配置/一/安装.configuration.variables": variables,
+        }
+        session = Session(READY, MemoryEnvironment(files))
+        assert load(session, "单元/取料.task") == Done()
+        assert play(session) == Done()
+        assert session.texts == ["好"]
+        name = session.of(TaskStateChanged)[0].name
+        assert name == "取料"
+        assert answer(session, GetVariable("dashboard#1/4", "问候")) == ShownValue("'好'")
+
+    def test_what_is_in_the_file_when_it_is_played_runs(self):
+        environment = MemoryEnvironment({"a.task": self.tree("textmsg(1)")})
+        session = Session(READY, environment)
+        load(session, "a.task")
+        with environment.files.open("a.task", "wb", None, None) as file:
+            file.write(self.tree("textmsg(2)"))
+        play(session)
+        assert session.texts == ["2"]

@@ -168,7 +168,7 @@ def test_pose_beyond_the_tolerance_is_refused_with_the_distance() -> None:
     T = stretched_target(0.0125)
     assert solutions(CS66, T) == ()
     assert reason_unreachable(CS66, T) == (
-        "too far by 0.0125 m: wrist joint 1 would be 0.8300 m from the shoulder joint, at most 0.8175 m is possible"
+        "too far by 0.0125 m (wrist joint 1 would be 0.8300 m from the shoulder joint; the arm reaches 0.8175 m)"
     )
 
 
@@ -187,7 +187,7 @@ def test_shoulder_singular_pose_is_solved_at_the_border() -> None:
 def test_too_near_the_base_axis_names_the_distance() -> None:
     T: Transform = (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, -0.1, 0.5)
     assert reason_unreachable(CS66, T) == (
-        "too near the base axis by 0.0475 m: the wrist centre would be 0.1000 m from it, at least 0.1475 m is possible"
+        "too near the base axis by 0.0475 m (the wrist centre would be 0.1000 m from it; 0.1475 m is the least)"
     )
 
 
@@ -197,8 +197,7 @@ def test_folded_too_far_names_the_distance() -> None:
     T: Transform = (1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, -arm.d4, arm.d1 - arm.d6)
     assert solutions(arm, T) == ()
     assert reason_unreachable(arm, T) == (
-        "folded too far by 0.0040 m: wrist joint 1 would be 0.1180 m from the shoulder joint, "
-        "at least 0.1220 m is possible"
+        "folded too far by 0.0040 m (wrist joint 1 would be 0.1180 m from the shoulder joint; 0.1220 m is the least)"
     )
 
 

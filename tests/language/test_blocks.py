@@ -1,8 +1,12 @@
 from __future__ import annotations
 
+import ast
+import random
+
 import pytest
 
 from elitescript.language.compiler import check_unit
+from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile, apply_fixes
 from tests.language.marked import check_marks, codes, findings
 from tests.language.stage import output
@@ -220,3 +224,37 @@ def test_no_message_quotes_an_empty_word():
             text = f"def a():\n  {header}\n{body}end\n"
             messages = [problem.text + problem.hint for problem in check_unit(SourceFile("f", text))]
             assert not any("``" in message or "` `" in message for message in messages), text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'def f():\n    \\\n"text"\n    \\\na = 0\n    print(a)\n',
+        "def f():\n\\\n    a = 0\n    b = 1\n",
+        "def f():\n    \\\n  \\\na = 0\n    b = 1\n",
+        "def f():\n    if a:\n        \\\nb = 1\n    \\\nelse:\n        c = 1\n",
+        "def f():\n    \\\n\n    a = 0\n",
+        "def f():\n    \\\n# c\n    a = 0\n",
+    ],
+)
+def test_blanks_before_a_backslash_indent_the_line_below_as_in_python(text):
+    parsed = parse(SourceFile("<test>", text))
+    assert parsed.diagnostics == ()
+    assert ast.dump(parsed.tree) == ast.dump(ast.parse(text))
+
+
+def test_rows_of_a_backslash_are_read_as_python_reads_them():
+    chance, rows = random.Random(5), ("a = 1", '"t"', "\\", "\\", "\\", "if a:", "", "# c", "pass")
+    accepted = 0
+    for _ in range(400):
+        lines = [" " * chance.choice((0, 2, 4, 4, 4, 8)) + chance.choice(rows) for _ in range(chance.randint(1, 5))]
+        text = "\n".join(("def f():", *lines, ""))
+        try:
+            tree = ast.dump(ast.parse(text))
+        except SyntaxError:
+            tree = ""
+        parsed = parse(SourceFile("<test>", text))
+        is_right = all(problem.severity != "error" for problem in parsed.diagnostics)
+        accepted += is_right
+        assert (ast.dump(parsed.tree) if is_right else "") == tree, text
+    assert accepted > 50

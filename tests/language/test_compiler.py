@@ -69,6 +69,7 @@ def test_nothing_but_hooks_and_names_of_the_text_are_used():
         "__module__",
         "__qualname__",
         "__static_attributes__",
+        "__classdictcell__",
         "__firstlineno__",
     }
 
@@ -309,6 +310,8 @@ class TestCost:
         assert set(loaded) <= {
             "__future__",
             "_bisect",
+            "_contextvars",
+            "_py_warnings",
             "_typing",
             "bisect",
             "gc",

@@ -2,13 +2,17 @@ from __future__ import annotations
 
 import sys
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from elitescript.language.text.lexer import indentation_width
+from elitescript.language.text import lexer
+from elitescript.language.text.lexer import LogicalLine, indentation_width
 from elitescript.language.text.masked import lex
+
+ROOT = Path(__file__).parent.parent.parent
 
 
 def code_lines(text):
@@ -163,3 +167,16 @@ def test_masking_never_changes_the_length_and_lines_follow_each_other(text):
 @pytest.mark.skipif(sys.version_info < (3, 12), reason="nested quotes are new in 3.12")
 def test_nested_quotes_work_where_python_has_them():
     assert lex('a = f"{d["x"]}"\n').flaws == []
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.script")), ids=lambda path: path.stem)
+def test_plain_lines_that_are_read_at_once_are_as_those_that_are_read_sign_by_sign(monkeypatch, path):
+    text = path.read_text(encoding="utf-8")
+
+    def read(long_text):
+        monkeypatch.setattr(lexer, "LONG_TEXT", long_text)
+        lexed = lex(text)
+        lines = [[getattr(line, name) for name in LogicalLine.__slots__] for line in lexed.lines]
+        return lines, lexed.masked, lexed.flaws, [tuple(string) for string in lexed.strings]
+
+    assert read(0) == read(len(text) + 1)

@@ -93,6 +93,17 @@ def test_a_piece_is_used_once_where_its_text_is_there_twice() -> None:
     assert dump(read(after, pieces)) == dump(read_whole(after))
 
 
+@pytest.mark.parametrize("edit", ["", "\n", '$ LINE: (9, "new")\n', "$ LINE: (x)\n", "$ LINE: 3\n"])
+@pytest.mark.parametrize("may_move", [True, False])
+def test_line_marks_of_pieces_that_are_used_again_stay(edit: str, may_move: bool) -> None:
+    marked = TEXT.replace("    return", '    $ LINE: (4, "in it")\n    return').replace(
+        "  f()", '  $ LINE: (1, "a", "b")\n  f()'
+    )
+    pieces = Pieces(may_move=may_move)
+    for text in (marked, marked.replace("  a = 1\n", f"  a = 1\n{edit and '  ' + edit}"), marked):
+        assert dump(read(text, pieces)) == dump(read_whole(text))
+
+
 def test_a_tree_without_pieces_is_never_shared() -> None:
     assert not set(functions(read(TEXT))) & set(functions(read(TEXT)))
 

@@ -77,7 +77,7 @@ ESCAPES = [
     "global «__builtins__»",
     "import «__main__»",
     "import «a.__init__»",
-    "from «__future__» import braces",
+    "from «__future__» import barry_as_FLUFL",
     "from x import «__dict__»",
     "from x import «gi_frame»",
     "from x import y as «__z__»",

@@ -13,6 +13,7 @@ LARGE = "z = 300\nif get_flag(0):\n  z = 400\nend"
 OF_MEANING = {
     "joints": ("movej([z, 0, 0, 0, 0, 0])", "W230"),
     "pose": ("movel([0.3, 0.2, z, 3.14, 0, 0])", "W231"),
+    "roll, pitch, yaw": ("textmsg(rpy2rotvec([z, 0, 0]))", "W230"),
     "tcp": ("set_tcp([0, 0, z, 0, 0, 0])", "W231"),
     "centre of gravity": ("set_payload(2, [0, 0, z])", "W231"),
     "joint speed": ("movej([0, 0, 0, 0, 0, 0], v=z)", "W232"),

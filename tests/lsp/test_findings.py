@@ -34,6 +34,7 @@ def test_they_are_those_of_check(bare):
         (problem.code, problem.text) for problem in expected
     ]
     assert {one["source"] for one in found["diagnostics"]} == {"elitescript"}
+    assert all(one["data"]["template"] and "values" in one["data"] for one in found["diagnostics"])
     assert {one["severity"] for one in found["diagnostics"] if one["code"].startswith("E3")} == {1}
     nonsense = next(one for one in found["diagnostics"] if "nonsense" in one["message"])
     assert nonsense["range"] == span(1, 17, 1, 25)

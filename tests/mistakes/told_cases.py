@@ -35,6 +35,7 @@ class Case:
         end: how the run must end.
         why: texts that the reason must have.
         is_silent: nothing is told.
+        is_sound: it has no mistake, the right sibling of the one before.
     """
 
     page: str
@@ -46,6 +47,7 @@ class Case:
     end: str
     why: tuple[str, ...]
     is_silent: bool
+    is_sound: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +78,21 @@ def read(path: Path) -> list[Case]:
         ends = [mark.removeprefix("end ") for _, mark in marks if mark.startswith("end ")]
         why = tuple(line.partition("#: why ")[2].strip() for line in text.splitlines() if "#: why " in line)
         is_silent = any(mark == "nothing" for _, mark in marks)
+        is_sound = any(mark == "sound" for _, mark in marks)
         world = blocks.get("world", "")
         cases.append(
-            Case(path.stem, title, text, world, check, tuple(sorted(run)), (*ends, "finished")[0], why, is_silent)
+            Case(
+                path.stem,
+                title,
+                text,
+                world,
+                check,
+                tuple(sorted(run)),
+                (*ends, "finished")[0],
+                why,
+                is_silent,
+                is_sound,
+            )
         )
     return cases
 

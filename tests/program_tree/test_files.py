@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from random import Random
+from time import process_time
 
 import pytest
 
+from elitescript.environment.task_files import script_of_data
+from elitescript.lint.engine import check_source
+from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.program_tree import (
     TaskFileError,
     generated,
@@ -20,6 +25,9 @@ from elitescript.program_tree import (
     task_bytes,
 )
 from elitescript.program_tree.configuration import with_values
+from elitescript.program_tree.kinds import BY_ELEMENT
+from elitescript.program_tree.listing import tree_text
+from elitescript.records import replace
 from tests.program_tree.trees import random_task
 
 ODD = b"""\xef\xbb\xbf<?xml version='1.0' encoding='utf-8'?>
@@ -289,3 +297,96 @@ def test_preamble_in_its_order() -> None:
 end
 """
     )
+
+
+@pytest.mark.slow
+@pytest.mark.invariants
+def test_many_mutated_files() -> None:
+    """Ten thousand files as they may come from anywhere: each is read or refused in a second, in bounded memory."""
+    import resource
+
+    random = Random(11)
+    whole = [task_bytes(replace(random_task(random, 25), installation="inst")) for _ in range(12)]
+    beside = [CONFIGURATION, VARIABLES]
+    most = 0.0
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for number in range(10_000):
+        data = mutated(random, random.choice(whole))
+        files = {
+            "cell.task": data,
+            "inst.configuration": beside[0] if random.random() < 0.8 else mutated(random, beside[0]),
+            "inst.configuration.variables": beside[1] if random.random() < 0.8 else mutated(random, beside[1]),
+        }
+        start = process_time()
+        source, errors = script_of_data("cell.task", files.get)
+        most = max(most, process_time() - start)
+        if errors:
+            assert all(error.line >= 1 and error.text for error in errors)
+        elif number % 5 == 0:
+            check_source(source, profile(DEFAULT_FIRMWARE), arm=None)
+        try:
+            task = read_task(data)
+        except TaskFileError:
+            continue
+        assert task_bytes(task) == data
+        tree_text(task)
+    assert most < 5.0
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 150_000  # kB
+
+
+def mutated(random: Random, data: bytes) -> bytes:
+    """Return a file with some damage: other bytes, less, more, parts that have changed places or stand twice."""
+    made = bytearray(data)
+    for _ in range(random.randrange(1, 5)):
+        place = random.randrange(len(made) + 1)
+        # Most files stay well formed, and mean something else.
+        match random.choice((0, 1, 2, 3, 4, 4, 4, 5, 5, 5, 5, 5, 5, 6, 6, 6, 6)):
+            case 0 if place < len(made):
+                made[place] = random.randrange(256)
+            case 1:
+                del made[place : place + random.randrange(1, 60)]
+            case 2:
+                made[place:place] = random.choice(PIECES)
+            case 3:
+                made[place : place + 8] = made[place + 20 : place + 40]
+            case 4:
+                # Whole elements change places, so that what is well formed means something else.
+                tags = [found.span() for found in re.finditer(rb"<[A-Za-z][^<>]*/>", made)]
+                if len(tags) > 1:
+                    (a, b), (c, d) = sorted(random.sample(tags, 2))
+                    made[a:d] = made[c:d] + made[b:c] + made[a:b]
+            case 5:
+                words = [found.span(1) for found in re.finditer(rb'="([^"]*)"', made)]
+                if words:
+                    a, b = random.choice(words)
+                    made[a:b] = random.choice(WORDS)
+            case _:
+                names = [found.span(1) for found in re.finditer(rb"<([A-Z]\w+)", made)]
+                if names:
+                    a, b = random.choice(names)
+                    made[a:b] = random.choice(NAMES_OF_ELEMENTS)
+    return bytes(made)
+
+
+PIECES = tuple(
+    piece.encode("latin-1")
+    for piece in (
+        "<",
+        "NaN",
+        "1e999",
+        '"',
+        "&#0;",
+        "<FolderNode>",
+        "-",
+        "<!DOCTYPE a>",
+        "&lol;",
+        "<![CDATA[x]]>",
+        "\xff",
+    )
+)
+WORDS = tuple(
+    word.encode()
+    for word in ("", "NaN", "-1", "99999999999", "1e308", "../../..", "__import__", "\u4f60", "true", "x y", "&#10;end")
+)
+OTHER_ELEMENTS = ("CompressNode", "CompressedNode", "children", "Expression")
+NAMES_OF_ELEMENTS = tuple(name.encode() for name in (*BY_ELEMENT, *OTHER_ELEMENTS))

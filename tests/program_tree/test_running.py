@@ -163,12 +163,6 @@ def test_the_formatter_leaves_trees_alone(tmp_path: Path, capsys: pytest.Capture
     assert "1 file with a tree left: their scripts are generated" in capsys.readouterr().err
 
 
-def test_agents_get_the_script_of_a_tree(tmp_path: Path) -> None:
-    server = pytest.importorskip("elitescript.mcp.server")
-    path = written(tmp_path, nodes.Halt(type_name="Halt"))
-    assert '$ LINE: (3, "Halt")' in server._source("cell.task", path).text
-
-
 @pytest.mark.parametrize(
     "call", [("task", "cell.task", "-o"), ("run", "cell.task", "--trace"), ("plot", "cell.task", "-o")]
 )

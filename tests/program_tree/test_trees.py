@@ -60,7 +60,12 @@ class TestInvariants:
         rows = rows_of(task)
         assert [row.number for row in rows] == list(range(1, len(rows) + 1))
         marks = [int(number) for number in re.findall(r"\$ LINE: \((\d+), \"", result.text)]
-        assert marks == sorted(set(marks))
+        assert len(marks) == len(set(marks))
+        for part in (row for row in rows if not row.parent):
+            # Sub-tasks, threads and events stand in front of the main task, with numbers behind its own.
+            last = next((row.number for row in rows[part.number :] if not row.parent), len(rows) + 1)
+            own = [mark for mark in marks if part.number <= mark < last]
+            assert own == sorted(own)
         silent = {row.number for row in rows if row.node.is_suppressed or isinstance(row.node, nodes.InitVariables)}
         assert set(marks) == {row.number for row in rows} - silent
 
@@ -98,7 +103,7 @@ def random_edit(random: Random, task: Task) -> Task:
             return set_enabled(task, row, random.random() < 0.5)
         case _:
             node = rows[row - 1].node
-            if isinstance(node, nodes.Wait):
+            if isinstance(node, nodes.Wait) and node.kind == "time":
                 return replace(task, row, changed(node, duration=2.5))
             if isinstance(node, nodes.Loop):
                 return replace(task, row, changed(node, count=7, variable=random.choice(("a", "new"))))
@@ -108,7 +113,8 @@ def random_edit(random: Random, task: Task) -> Task:
 
 
 def _is_bound(node: Node) -> bool:
-    return isinstance(node, nodes.Waypoint | nodes.ElseIf | nodes.Else | nodes.Case | MainTask)
+    bound = nodes.Waypoint | nodes.Direction | nodes.Until | nodes.ElseIf | nodes.Else | nodes.Case | MainTask
+    return isinstance(node, bound)
 
 
 def test_copies_of_a_node_that_holds_an_object() -> None:

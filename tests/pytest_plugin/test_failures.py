@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import textwrap
@@ -299,6 +300,13 @@ class TestFindings:
         assert "2 passed, 1 with findings" in result.stdout.str()
         xml = (pytester.path / "report.xml").read_text()
         assert xml.count('<property name="elitescript_findings" value="1 warning" />') == 1
+        properties = {node.get("name"): node.get("value", "") for node in ElementTree.fromstring(xml).iter("property")}
+        (row,) = json.loads(properties["elitescript_findings_json"] or "")
+        assert (row["code"], row["template"], row["values"]["what"]) == (
+            "W240",
+            "{operand}: never equal to {what}",
+            "`'on'`",
+        )
         (pytester.path / "pytest.ini").write_text("[pytest]\nelitescript_findings = off\n")
         assert "with findings" not in run(pytester, text).stdout.str()
 

@@ -381,3 +381,18 @@ class TestChild:
         assert done.returncode == 2
         assert "ELITESCRIPT_COVERAGE=" in done.stderr
         assert "No such file or directory" in done.stderr
+
+
+def test_a_tree_is_measured_by_its_nodes(pytester):
+    """And the script that a pendant has written beside it is no other program."""
+    main_task = (
+        '<MainTask isTaskAlwaysLoops="false" hasInitVariables="false"><IfNode><Expression>'
+        '<ExpressionCharCell char="0"/></Expression><children><HaltNode/></children></IfNode><HaltNode/></MainTask>'
+    )
+    (pytester.path / "cell.task").write_text(f'<EliTask name="cell">{main_task}</EliTask>')
+    (pytester.path / "cell.task.script").write_text("sleep(1)\n")
+    test = "def test_it(robot):\n    assert robot.run('cell.task').state == 'stopped'\n"
+    result = run(pytester, test, "--script-cov=.", "--script-cov-report=term-missing")
+    result.assert_outcomes(passed=1)
+    result.stdout.fnmatch_lines(["cell.task *   2 If > 3 Halt*"])
+    result.stdout.no_fnmatch_line("cell.task.script *")

@@ -54,6 +54,16 @@ def test_what_differs_in_words_line_thread_or_code_is_another_row(other):
     assert len(listed(Warned(1, "text", "main", 4, "W235"), other)) == 2
 
 
+def test_the_refusal_of_an_argument_is_one_row_however_its_value_is_shown():
+    text = [diagnostic("E304", 4, 7, "socket_send_string: str must be a text, not bytearray bytearray([1])")]
+    words = "socket_send_string: str must be a text, not bytearray bytearray(b'\\x01')"
+    assert rows(listed(Alarm(1, "R101", "TypeError", words, 4, 1, ""), text=text)) == [
+        ("error", "E304", 4, 0.004, 1, "check")
+    ]
+    other = Alarm(1, "R101", "TypeError", "socket_send_string: socket_name must be a str", 4, 1, "")
+    assert [row.code for row in listed(other, text=text)] == ["R101", "E304"]
+
+
 def test_what_text_and_run_have_found_is_one_row():
     text = [diagnostic("W235", 4, 7, "the radius"), diagnostic("W235", 4, 30, "another"), diagnostic("E301", 2, 1, "x")]
     found = listed(*(Warned(tick, "the radius", "main", 4, "W235") for tick in (10, 20)), text=text)

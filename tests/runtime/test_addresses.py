@@ -20,6 +20,11 @@ def test_where_an_object_is_does_not_show(value):
     assert without_addresses(text).count("<") == without_addresses(text).count(">")
 
 
+def test_texts_within_xml_are_known():
+    text = f"<string>{repr(Pump()).replace('<', '&lt;').replace('>', '&gt;')}</string>"
+    assert without_addresses(text) == "<string>&lt;tests.runtime.test_addresses.Pump object&gt;</string>"
+
+
 def test_objects_that_are_gone_are_where_others_are():
     texts = [f"{Pump()}" for _ in range(100)]
     assert "0x" not in without_addresses(" ".join(texts))

@@ -119,6 +119,7 @@ SHARED_INTERNALS = {
     "Integral": "abstract base of fractions", "Number": "abstract base", "Rational": "abstract base",
     "Random": "base of the program's own class", "struct_time": "result of time.gmtime(), a tuple",
     "ABCMeta": "class of abstract classes", "_abc_data": "inside of abstract classes, empty",
+    "Generic": "made by Python's own C code since 3.12, which takes no other",
     "Sealed": "class of our sealed classes", "_OneArgument": "class of `type` as scripts see it",
 }  # fmt: skip
 

@@ -125,7 +125,7 @@ end
 def job():
   textmsg(Part(), " ", job, " ", threading.Lock(), " ", sleep, " ", object())
   textmsg(id(Part), " ", id(job), " ", id(Part))
-  textmsg([kind.__name__ for kind in {Part, Plain, Numbered, int, threading.Thread}], hash(None), hash(job))
+  textmsg([kind.__name__ for kind in {Part, Plain, Numbered, threading.Thread}], hash(None), hash(job))
   textmsg([part.n for part in {Numbered(n) for n in range(40)}], [part.n for part in {Plain(n) for n in range(40)}])
   textmsg(threading.Event(), " ", threading.Barrier(2), " ", Part().bound)
   textmsg(random.random(), " ", random.Random().random(), " ", threading.get_ident())

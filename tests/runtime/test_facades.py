@@ -1,12 +1,16 @@
 import importlib
+import sys
+from types import ModuleType
 
 import pytest
 
 from elitescript.language import modules
 from elitescript.language.modules import COPIED_NAMES, OWN_NAMES, SHARED_NAMES
+from elitescript.runtime.names.identities import STEP
 from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.names.own_modules import _MAKERS
 from tests.runtime.machine import run
+from tools.modules_page import LEFT_OUT
 
 
 def logged(body):
@@ -29,9 +33,22 @@ def test_every_module_can_be_imported_and_has_something(name):
 def test_every_name_in_the_table_is_one_of_the_module(name):
     """A slip of the pen would show as a missing name, and only when a program asks for it."""
     listed = {**SHARED_NAMES, **COPIED_NAMES}[name]
-    real = vars(importlib.import_module(name))
+    real = importlib.import_module(name)
     newer = {"ShutDown", "UTC", "member", "nonmember", "StrEnum", "override"}
-    assert listed == "*" or {item for item in listed.split() if item not in real} <= newer
+    assert listed == "*" or {item for item in listed.split() if not hasattr(real, item)} <= newer
+
+
+@pytest.mark.skipif(sys.version_info[:2] != (3, 11), reason="the page is about the names of Python 3.11")
+@pytest.mark.parametrize("name", sorted({*SHARED_NAMES, *COPIED_NAMES}))
+def test_the_page_of_modules_names_all_that_is_left_out(name):
+    real = importlib.import_module(name)
+    public = getattr(real, "__all__", None) or [item for item in vars(real) if not item.startswith("_")]
+    public = {item for item in public if not isinstance(getattr(real, item), ModuleType)}
+    found = logged(f"import {name} as m\ntextmsg(' '.join([n for n in dir(m) if n[0] != '_']))")
+    left_out = [item for items, _ in LEFT_OUT.get(name, ()) for item in items.split()]
+    assert sorted(left_out) == sorted(public - set(found[0].split()))
+    listed = {**SHARED_NAMES, **COPIED_NAMES}[name]
+    assert listed == "*" or set(found[0].split()) - {"abc"} == {item for item in listed.split() if hasattr(real, item)}
 
 
 @pytest.mark.parametrize("name", sorted(OWN_NAMES))
@@ -52,6 +69,11 @@ class TestImport:
             ("import collections.abc", "isinstance({}, collections.abc.Mapping)", "True"),
             ("from collections import abc", "isinstance([], abc.Sequence)", "True"),
             ("from collections.abc import Iterable", "isinstance('x', Iterable)", "True"),
+            ("import operator", "operator.__lt__(1, 2)", "True"),
+            ("import operator", "operator.__eq__(1, 2)", "False"),
+            ("import operator", "operator.__add__ is operator.add", "True"),
+            ("import operator", "operator.__and__(6, 3)", "2"),
+            ("from operator import __ne__ as differs", "differs(1, 2)", "True"),
             ("import os.path as p", "p.join('a', 'b')", "a/b"),
             ("import json, struct", "json.loads(json.dumps(struct.unpack('<h', b'ab')))", "[25185]"),
             ("import decimal", "decimal.Decimal('0.1') + decimal.Decimal('0.2')", "0.3"),
@@ -230,3 +252,20 @@ textmsg(decimal.Decimal(1) / 3)
         import decimal
 
         assert decimal.getcontext().prec == 28
+
+
+def test_copies_note_what_id_gives_where_a_program_can_see_it():
+    """Otherwise they note addresses, which takes less time."""
+    bench = run(
+        "global a\nimport copy\na = [1]\nmemo = {id(a): 'known'}\ntextmsg(copy.deepcopy([a], memo))\n"
+        "exec('global Own\\nclass Own:\\n  def __deepcopy__(self, memo):\\n    memo[id(a)] = 2"
+        "\\n    return copy.deepcopy(a, memo)')\n"
+        "textmsg(copy.deepcopy(Own()))\n"
+    )
+    assert bench.log == ["['known']", "2"]
+
+
+@pytest.mark.parametrize("name", ["copy", "elicopy"])
+def test_copies_of_which_a_program_sees_nothing_number_nothing(name):
+    bench = run(f"a = [[1], {{}}]\nb = {name}.deepcopy(a)\nb[0].append(2)\ntextmsg(a, b)\ntextmsg(id(a))\n")
+    assert bench.log == ["[[1], {}][[1, 2], {}]", str(STEP)]

@@ -78,6 +78,15 @@ def test_values_go_there_and_back(value):
     assert scene.run(f"textmsg(c.echo({value!r}) == ['echo', {value!r}])") == ["True"]
 
 
+def test_texts_of_objects_go_without_their_addresses():
+    heard = []
+    scene = Scene(lambda method, args: heard.append(args) or result(0))
+    foreign, own = "<Pump object at 0x10>", "<__main__.job.<locals>.Pump object>"
+    scene.run("class Pump:", "  pass", "end", f"c.note(repr(Pump()), [{{'p': str(Pump())}}], {foreign!r})")
+    assert heard == [(own, [{"p": own}], foreign)]
+    assert "0x7" not in str(scene.ended.events)
+
+
 def test_a_handle_connects_when_a_procedure_is_called():
     scene = Scene(lambda method, args: result(1))
     scene.run("sleep(1)", "before = controller_timestamp()")

@@ -19,13 +19,14 @@ from elitescript.environment.memory import MemoryFiles
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.arm import model_of
-from elitescript.kernel.compiling import Job, compiled_job
+from elitescript.kernel.compiling import Job, compiled_job, tree_text
 from elitescript.language.limits import LINES_MAX
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult
 from elitescript.messages.events import Alarm, TextMessage
 from elitescript.messages.inputs import Compiled, Input, RunUnit
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
+from elitescript.models.model import load_model
 from elitescript.records import replace
 from elitescript.services.child import frames
 from elitescript.services.child.link import ChildLink
@@ -402,3 +403,17 @@ def test_no_step_of_the_robot_takes_as_long_as_a_stop_may():
     events = step(kernel.tick, (Compiled("compiler", 1),)).events
     assert "big runs" in [event.text for event in events if isinstance(event, TextMessage)]
     assert max(steps) < 0.02
+
+
+def test_the_script_of_a_tree_comes_back_with_its_nodes() -> None:
+    text = tree_text({"a.task": b'<EliTask name="a"><MainTask><HaltNode/></MainTask></EliTask>', "b": b"\xff"})
+    job = Job(1, "a.task", text, None, False, "", 0, (), True)
+    whole = compiled_job(job, profile(DEFAULT_FIRMWARE), load_model("CS66"), frozenset())
+    loading = Loading(SourceFile("a.task", ""))
+    loading.feed(b"".join(packed(whole)))
+    assert loading.result is not None
+    assert loading.result.unit is not None
+    assert whole.unit is not None
+    source = loading.result.unit.source
+    assert (source.text, source.places) == (whole.unit.source.text, whole.unit.source.places)
+    assert "1 Robot Main Task > 2 Halt" in source.places

@@ -19,7 +19,7 @@ from elitescript.devices.channels.faults import Fault
 from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
 from elitescript.messages.enums import RobotMode, TaskState
-from elitescript.messages.events import Alarm, TaskStateChanged
+from elitescript.messages.events import Alarm, TaskStateChanged, Warned
 from elitescript.messages.inputs import AddFault, ClosePopup, Do, EndFaults
 from elitescript.messages.machine import (
     AskSafety,
@@ -443,6 +443,7 @@ def test_a_disturbance_that_makes_no_sense_is_refused(arguments: tuple[str, ...]
 PLAYING = TaskStateChanged(10, TaskState.PLAYING, "pick")
 PAUSED = TaskStateChanged(20, TaskState.PAUSED, "pick")
 ALARM = Alarm(500, "R100", "IndexError", "list index out of range", 3, 5, "main")
+WARNED = Warned(300, "the targets come too late", "main", 4, "W290")
 
 
 def ended(how: str) -> TaskStateChanged:
@@ -456,6 +457,8 @@ def ended(how: str) -> TaskStateChanged:
         ([ended("stopped")], None),
         ([ended("stopped"), PLAYING, ended("finished")], "task pick ended at 2.000 s: finished"),
         ([PLAYING, PAUSED, PLAYING, ended("stopped")], "task pick ended at 2.000 s: stopped"),
+        ([PLAYING, WARNED, WARNED, ended("finished")], "task pick ended at 2.000 s: finished, 1 warning"),
+        ([WARNED, PLAYING, ended("finished")], "task pick ended at 2.000 s: finished"),
         ([PLAYING, ALARM, ended("alarm")], "R100 in line 3: IndexError: list index out of range"),
     ],
 )

@@ -97,7 +97,7 @@ class TestSave:
         path.write_bytes(b"theirs\r\n")
         with pytest.raises(Conflict) as refused:
             save(path, "mine\n", digest(b"before"))
-        assert refused.value.found == ("theirs\n", digest(b"theirs\r\n"))
+        assert refused.value.found == ("theirs\n", digest(b"theirs\r\n"), None)
         assert path.read_bytes() == b"theirs\r\n"
         assert save(path, "mine\n", digest(b"before"), force=True) == digest(b"mine\r\n")
 
@@ -155,7 +155,7 @@ class TestRead:
     def test_the_text_has_lf_and_no_mark(self, tmp_path: Path) -> None:
         path = tmp_path / "a.script"
         path.write_bytes(b"\xef\xbb\xbfa\r\nb\rc\n")
-        assert read(path) == ("a\nb\nc\n", digest(b"\xef\xbb\xbfa\r\nb\rc\n"))
+        assert read(path) == ("a\nb\nc\n", digest(b"\xef\xbb\xbfa\r\nb\rc\n"), None)
 
     def test_no_file_is_a_new_one(self, tmp_path: Path) -> None:
         assert read(tmp_path / "a.script") == NONE
@@ -254,11 +254,13 @@ class TestPrograms:
         with pytest.raises(UsageError, match=r"only a\.script is open"):
             programs.path("b.script")
 
-    def test_a_graphical_program_is_no_text_to_edit(self, tmp_path):
-        with pytest.raises(
-            UsageError, match=r"the studio edits scripts; `elitescript task .*cell\.task -o .*cell\.script`"
-        ):
-            Programs(tmp_path / "cell.task")
+    def test_graphical_programs_are_opened_too(self, folder: Path) -> None:
+        (folder / "cell.task").write_bytes(b"<EliTask/>")
+        assert "cell.task" in Programs(folder).names()
+        assert Programs(folder).path("cell.task") == folder / "cell.task"
+        assert Programs(folder / "cell.task").names() == ["cell.task"]
+        with pytest.raises(UsageError, match=r"the relative path of a \.script or \.task file is needed"):
+            Programs(folder).path("cell.configuration")
 
     def test_a_file_that_does_not_exist_yet_needs_its_folder(self, tmp_path: Path) -> None:
         assert Programs(tmp_path / "new.script").names() == ["new.script"]

@@ -192,12 +192,18 @@ class Play:
         self.refusal: Message | None = None
         self.contacts: list[Message] = []
         self.programs = ["pick.script"]
+        self.tree: Message | None = None
+        """Of the file; None: it is a text that people write."""
+        self.marks: list[tuple[float, int]] = []
+        """Times at which nodes of the tree begin."""
         self.runs = 0
         self.version = 0
 
     def first(self) -> list[Message]:
         """Return what is said to a page that connects."""
-        file = {"type": "file", "name": "pick.script", "text": self.text, "digest": self.digest}
+        file: dict[str, Any] = {"type": "file", "name": "pick.script", "text": self.text, "digest": self.digest}
+        if self.tree is not None:
+            file["tree"] = self.tree
         given = hello(self.mode, "elitescript 0", self.abilities, "pick.script", programs=self.programs)
         return [
             {**given, "settings": self.settings},
@@ -258,6 +264,8 @@ class Play:
         moves = [(0.0, 1.0, 4), (1.0, 2.0, 6), (2.5, 3.5, 6)]
         listed = [{"start_s": start, "end_s": end, "kind": "movej", "line": line} for start, end, line in moves]
         yield {"type": "moves", "run": run, "list": listed}
+        if self.marks:
+            yield {"type": "marks", "run": run, "t": [t for t, _ in self.marks], "node": [n for _, n in self.marks]}
         yield {"type": "events", "run": run, "list": EVENTS}
         yield {"type": "progress", "run": run, "t": END_S}
         yield {"type": "cycle", "run": run, "table": CYCLE}

@@ -52,8 +52,12 @@ def test_what_is_no_plan_is_refused(change: dict[str, Any], words: str) -> None:
         plan_of({**plan_data(PLAN), **change})
 
 
+def test_a_row_of_an_earlier_version_has_no_warnings() -> None:
+    assert row_of([choices_data(Choices(0, 0)), "finished", 1.0, {}, "", None, []]).is_warned is False
+
+
 def test_what_is_no_row_is_refused() -> None:
-    with pytest.raises(UsageError, match="row: a list of 7"):
+    with pytest.raises(UsageError, match="row: a list of 8"):
         row_of([1])
     with pytest.raises(UsageError, match=r"row\.state"):
         row_of([choices_data(Choices(0, 0)), 1, 0.0, {}, "", None, []])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+from elitescript.records import replace
 from elitescript.sweep.plans.plan import Disturbance
 from elitescript.sweep.results.summary import summary_of
 from elitescript.sweep.results.totals import KINDS_MAX, Totals
@@ -18,6 +19,15 @@ def test_all_hold():
     assert lines[0] == "all 200 runs hold; the probability to fail is below 1.5 % (95 %)"
     assert lines[1].startswith("cycle time: ")
     assert lines[2:] == ["nearest to failing: run 0, 0.1 left of always(ok)"]
+
+
+def test_runs_with_warnings_are_counted():
+    totals = swept(20, lambda run, v, _: replace(row(run, v), is_warned=run < 3))
+    summary = summary_of(totals, is_random=False)
+    assert summary.lines()[0] == "all 20 runs hold; 3 runs found warnings"
+    assert summary.as_json()["warned"] == 3
+    one = summary_of(swept(1, lambda run, v, _: replace(row(run, v), is_warned=True)), is_random=False)
+    assert one.lines()[0] == "the run holds, but has warnings"
 
 
 def test_one_run_is_told_as_one():

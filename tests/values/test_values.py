@@ -9,15 +9,19 @@ import pytest
 from elitescript.language.parser import parse
 from elitescript.language.symbols import Symbols
 from elitescript.language.text.source import SourceFile
-from elitescript.values.description import UNKNOWN, Value, holds
+from elitescript.messages.profile import Profile, profile
+from elitescript.records import replace
+from elitescript.values.description import FLOAT, INT, UNKNOWN, Value, holds
 from elitescript.values.program import Values
 from elitescript.values.words import words
 
+NEWEST = profile()
 
-def described(text: str) -> Value:
+
+def described(text: str, firmware: Profile = NEWEST) -> Value:
     """What the last argument of the last `textmsg` is."""
     symbols = Symbols(parse(SourceFile("<test>", text)))
-    values = Values(symbols)
+    values = Values(symbols, profile=firmware)
     assert values.is_known
     calls = [call for scope in symbols.scopes for call in scope.calls if ast.unparse(call.func) == "textmsg"]
     last = max(calls, key=lambda call: (call.lineno, call.col_offset))
@@ -178,3 +182,20 @@ def test_a_long_chain_of_branches_is_not_deep():
 )
 def test_a_description_holds_what_it_says(expression, real, is_held):
     assert holds(described(f"textmsg({expression})"), real) is is_held
+
+
+@pytest.mark.parametrize(
+    ("expression", "whole", "real"),
+    [
+        ("pow(2, 3)", "8", "8.0"),
+        ("pow(2, 0.5)", "1.4142135623730951", "1.4142135623730951"),
+    ],
+)
+def test_powers_are_described_as_the_profile_has_them(expression: str, whole: str, real: str) -> None:
+    for firmware, expected in ((NEWEST, whole), (replace(NEWEST, are_powers_whole=False), real)):
+        text = f"def probe(n):\n  textmsg({expression})\nend\n"
+        assert words(described(text, firmware)) == expected
+
+
+def test_the_power_of_an_unknown_number_is_whole_or_not() -> None:
+    assert described("textmsg(pow(2, read_input_integer_register(0)))\n").kinds == INT | FLOAT

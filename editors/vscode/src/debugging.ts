@@ -5,6 +5,9 @@ import { folderOf, needElitescript, settings } from "./program";
 
 export const TYPE = "elitescript";
 
+/** Of what can be launched: programs, and the files of program trees. */
+const LANGUAGES: readonly string[] = [TYPE, "elitescript-task"];
+
 /** Starts one process of the adapter for each session. */
 export class AdapterFactory implements vscode.DebugAdapterDescriptorFactory {
   async createDebugAdapterDescriptor(session: vscode.DebugSession): Promise<vscode.DebugAdapterDescriptor | undefined> {
@@ -33,7 +36,7 @@ export class Configurations implements vscode.DebugConfigurationProvider {
       return given;
     }
     // F5 without a launch.json.
-    return vscode.window.activeTextEditor?.document.languageId === TYPE ? launchOf("${file}") : undefined;
+    return LANGUAGES.includes(vscode.window.activeTextEditor?.document.languageId ?? "") ? launchOf("${file}") : undefined;
   }
 
   resolveDebugConfigurationWithSubstitutedVariables(

@@ -78,6 +78,8 @@ export class Server implements vscode.Disposable {
         documentSelector: [
           { language: "elitescript", scheme: "file" },
           { language: "elitescript", scheme: "untitled" },
+          // Files of the pendant's program trees: outline, hover and findings.
+          { language: "elitescript-task", scheme: "file" },
         ],
         synchronize: { configurationSection: "elitescript" },
         initializationFailedHandler: () => false,

@@ -196,8 +196,12 @@ class _Offers:
         self.cursor = cursor
         self.span = cursor.word_span
         self.scope = scope_at(document, cursor.line, cursor.column)
-        self.facts = document.once(NameFacts)
         self.is_called = cursor.text[cursor.word[1] : cursor.word[1] + 1] == "("
+
+    @property
+    def facts(self) -> NameFacts:
+        """What is known of names, which takes the values of all expressions."""
+        return self.document.once(NameFacts)
 
     def offers(self) -> Iterator[Completion]:
         cursor = self.cursor

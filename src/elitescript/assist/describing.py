@@ -101,6 +101,8 @@ _TEXTS: Final = {
 }
 """Example of a text for parameters of these names."""
 
+_NUMERALS: Final = frozenset(("to_num",))
+"""Commands that take a number as a text."""
 _FREE_ADDRESSES: Final = {"write_port_bit": "60", "write_port_register": "256"}
 """Addresses of the controller's own server that programs may write."""
 
@@ -175,6 +177,8 @@ def sample(command: Command, param: Param) -> str:
     """Return a plausible value of a parameter as source text."""
     if param.name == "address" and command.name in _FREE_ADDRESSES:
         return _FREE_ADDRESSES[command.name]
+    if command.name in _NUMERALS:
+        return '"1.5"'
     if isinstance(_plain_quantity(param.quantity), Text):
         return f'"{_TEXTS.get(param.name, "text")}"'
     return _sample(param.quantity)

@@ -10,7 +10,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from itertools import accumulate
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from elitescript.assist.names import Names
 from elitescript.commands.definition.plausibility import ArmFacts
@@ -29,6 +29,9 @@ from elitescript.records import field, record
 from elitescript.values.memory import Memory
 
 _Found = TypeVar("_Found")
+
+_FOUND: Final = ("translation", "parsed", "program", "names", "_written", "quick_problems", "problems")
+"""What is kept of a document once it was found."""
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
@@ -150,6 +153,15 @@ class Document:
             self._found[find] = without_collection(find)(self)
         found: _Found = self._found[find]
         return found
+
+    def release(self) -> None:
+        """Let go of all that was found, which knows this document and would wait for the collector."""
+        program = self.__dict__.get("program")
+        for name in _FOUND:
+            self.__dict__.pop(name, None)
+        self._found.clear()
+        if program is not None:
+            program.release()
 
     def twin(self) -> Document:
         """Return the same version for another thread: what is found of it later is found by each for itself.

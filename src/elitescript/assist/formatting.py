@@ -209,7 +209,7 @@ class _Layout:
         within: the first and the last line to change; None for all.
     """
 
-    __slots__ = ("_levels", "_lines", "_masked", "_rows", "_text", "_trailing", "document", "within")
+    __slots__ = ("_is_split", "_levels", "_lines", "_masked", "_rows", "_text", "_trailing", "document", "within")
 
     def __init__(self, document: Document, within: tuple[int, int] | None) -> None:
         self.document = document
@@ -220,6 +220,8 @@ class _Layout:
         self._levels: list[_Level] = []
         """The level of each logical line."""
         self._rows = list(document.source.lines)
+        self._is_split = self._has_split_indentation()
+        """Rows keep their indentation."""
         self._trailing: list[_Trailing] = []
 
     def rows(self) -> list[str]:
@@ -264,12 +266,11 @@ class _Layout:
             while inner is not None and inner.end < line.last_line:
                 inner.end = line.last_line
                 inner = inner.outer
-        is_odd = self._has_split_indentation()
         for level in found:
             if level.outer is None:
                 continue
             is_whole = self.within is None or (self.within[0] <= level.first and level.end <= self.within[1])
-            if is_whole and not is_odd:
+            if is_whole:
                 level.blanks = level.outer.blanks + INDENT
             else:
                 row = self._rows[level.first - 1]
@@ -303,6 +304,8 @@ class _Layout:
             if before is not None and before.row == number - 1 and before.column == column:
                 # It goes on with the comment behind the code above it.
                 self._trailing.append(_Trailing(number, column, column, "", text))
+            elif self._is_split:
+                self._rows[number - 1] = row.rstrip(_BLANKS)
             else:
                 self._rows[number - 1] = self._comment_level(index, column).blanks + text
 
@@ -321,6 +324,13 @@ class _Layout:
 
     # Logical lines
 
+    def _blanks(self, line: LogicalLine, level: _Level) -> tuple[str, int]:
+        """Return the blanks that a line is to begin with, and the column at which it begins in its row as it is."""
+        if not self._is_split:
+            return level.blanks, line.column
+        own = self._text[self.document.source_starts[line.line - 1] : line.start]
+        return own, indentation_width(own)
+
     def _row(self, line: LogicalLine, level: _Level, is_header: bool, is_kept: bool) -> None:
         """Lay out a logical line in one row."""
         text, end = self._text, line.end
@@ -328,7 +338,7 @@ class _Layout:
         stop = row_start + len(self.document.source.lines[line.line - 1])
         code = text[line.start : end]
         rest = text[end:stop].strip(_BLANKS)
-        new = level.blanks
+        new, _ = self._blanks(line, level)
         if is_kept:
             new += code
         else:
@@ -355,10 +365,11 @@ class _Layout:
             moved = len(new) - len(head)
             head = new
         tail = self._text[split:stop]
-        self._rows[line.line - 1] = level.blanks + head + self._without_end_blanks(tail, stop)
-        shift = indentation_width(level.blanks) - line.column
+        blanks, column = self._blanks(line, level)
+        self._rows[line.line - 1] = blanks + head + self._without_end_blanks(tail, stop)
+        shift = indentation_width(blanks) - column
         deltas: dict[int, int] = {}
-        self._note_brackets(line.start, split, stop, line.column, shift + moved, deltas)
+        self._note_brackets(line.start, split, stop, column, shift + moved, deltas)
         for number in range(line.line + 1, line.last_line + 1):
             start = starts[number - 1]
             if masked[start - 1] == STRING_FILL:

@@ -28,6 +28,7 @@ from elitescript.language.policy import DENIED_ATTRIBUTES, FORMAT_ATTRIBUTES
 from elitescript.language.symbols import Scope
 from elitescript.language.text.lexer import WORD_END, WORD_START
 from elitescript.lint.program import AnalysedProgram, Span
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
 from elitescript.records import record
 from elitescript.values.references import ModuleType, OwnClass
 
@@ -77,7 +78,8 @@ def prepare_rename(document: Document, line: int, column: int) -> Renamable | No
     """Return what a rename at a place would change; None if no name stands there. Never raises."""
     found = document.names.at(line, column)
     if found is not None:
-        return Renamable(found.span, found.entity.name.rpartition(".")[2], _refusal(document, found.entity))
+        refusal = _of_tree(document) or _refusal(document, found.entity)
+        return Renamable(found.span, found.entity.name.rpartition(".")[2], refusal)
     for word in re.finditer(r"[^\W\d]\w*", document.code_line(line)):
         if word.start() < column <= word.end() + 1:
             span = Span(line, word.start() + 1, line, word.end() + 1)
@@ -110,6 +112,13 @@ def _edit(item: Occurrence, new_name: str) -> Edit:
 
 
 # ---------------------------------------------------------------- what cannot be renamed
+
+
+def _of_tree(document: Document) -> str:
+    """Return why nothing is renamed in a script that a pendant generates; empty, if it is none by its name."""
+    name = document.name.rpartition("/")[2]
+    stem = name[: -len(PROGRAM_SUFFIX)] if is_program_name(name) else name
+    return f"this text is generated from the tree in {stem}: rename it there" if is_task_name(stem) else ""
 
 
 def _no_name(document: Document, line: int, word: str) -> str:

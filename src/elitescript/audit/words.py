@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import isfinite
 from typing import Any, Final
 
@@ -20,7 +20,14 @@ SHOWN: Final = 6
 
 def audit_in_words(audit: AuditFindings) -> str:
     """Return the audit for people."""
-    lines = [*_head(audit), *_arm(audit), *_run(audit.first), *_others(audit), *_fit(audit), *_rest(audit)]
+    lines = [
+        *_head(audit),
+        *_arm(audit),
+        *_run(audit.first, audit.cell.source.line_words),
+        *_others(audit),
+        *_fit(audit),
+        *_rest(audit),
+    ]
     lines += _found(audit)
     # Texts of the controller are among them.
     return "\n".join(map(shown, lines))
@@ -137,7 +144,7 @@ def _head(audit: AuditFindings) -> Iterator[str]:
     yield from _cuts(audit)
     so_far = "" if audit.is_complete else " as far as it is recorded"
     if (finding := audit.divergence) is not None:
-        yield f"differs from {finding.t:.3f} s on, {where}line {finding.line}: {finding.what}"
+        yield f"differs from {finding.t:.3f} s on, {where}{audit.cell.source.line_words(finding.line)}: {finding.what}"
     elif audit.agrees:
         yield f"agrees{so_far}: target joints, times and signals"
     else:
@@ -146,14 +153,15 @@ def _head(audit: AuditFindings) -> Iterator[str]:
 
 def _cuts(audit: AuditFindings) -> Iterator[str]:
     """Say where the recording begins or ends within a run, and what is not compared so."""
+    words = audit.cell.source.line_words
     for run in audit.runs:
         series, of_run = run.recorded, "" if audit.runs_in_all == 1 else f" of run {run.number}"
         if series.is_headless:
-            where = f", in line {series.lines[0]}" if series.lines[0] else ""
+            where = f", in {words(series.lines[0])}" if series.lines[0] else ""
             begin = f"the program{of_run} ran already when the recording began{where}"
             yield f"{begin}: what was before is not compared"
         if series.is_open:
-            where = f", in line {series.lines[-1]}" if series.lines[-1] else ""
+            where = f", in {words(series.lines[-1])}" if series.lines[-1] else ""
             end = f"the recording ends at {series.t[-1]:.3f} s{where}, before the program{of_run} does"
             yield f"{end}: nothing from there on is compared"
     if audit.recording.is_cut_off:
@@ -168,7 +176,7 @@ def _arm(audit: AuditFindings) -> Iterator[str]:
     yield from _left_out(audit.arm[SHOWN:], "number of the arm", "numbers of the arm")
 
 
-def _run(run: AuditedRun) -> Iterator[str]:
+def _run(run: AuditedRun, words: Callable[[int], str]) -> Iterator[str]:
     found = run.comparison
     kinds: dict[tuple[int, str], list[Finding]] = {}
     for finding in found.findings:
@@ -177,7 +185,7 @@ def _run(run: AuditedRun) -> Iterator[str]:
     for number, alike in enumerate(further[:SHOWN]):
         first, more = alike[0], f", {len(alike) - 1} times more" if len(alike) > 1 else ""
         if number:
-            yield f"  then {first.t:.3f} s, line {first.line}: {first.what}{more}"
+            yield f"  then {first.t:.3f} s, {words(first.line)}: {first.what}{more}"
         elif more:
             yield f"  the same in this line {len(alike) - 1} times more, up to {alike[-1].t:.3f} s"
     yield from _left_out(further[SHOWN:], "further difference", "further differences")
@@ -189,12 +197,12 @@ def _run(run: AuditedRun) -> Iterator[str]:
         if error is not None:
             yield (
                 f"{name:<22} rms {factor * error.rms:.3g} {unit}, largest {factor * error.largest:.3g} {unit}"
-                + (f" at {error.t:.3f} s, line {error.line}" if error.largest else "")
+                + (f" at {error.t:.3f} s, {words(error.line)}" if error.largest else "")
             )
     yield from _lines(run)
     for its in found.signals[:SHOWN]:
         only = "recording" if its.is_recorded else "simulated run"
-        yield f"signal {its.name} {_level(its.value)} at {its.t:.3f} s, line {its.line}: in the {only} only"
+        yield f"signal {its.name} {_level(its.value)} at {its.t:.3f} s, {words(its.line)}: in the {only} only"
     yield from _left_out(found.signals[SHOWN:], "further edge", "further edges")
     if not found.signals and found.compared_signals:
         yield f"signals                the edges of {found.compared_signals} come in the same order"
@@ -226,10 +234,11 @@ def _lines(run: AuditedRun) -> Iterator[str]:
 
 
 def _others(audit: AuditFindings) -> Iterator[str]:
+    words = audit.cell.source.line_words
     for run in audit.runs:
         if run is not audit.first:
             finding = run.comparison.divergence
-            what = "agrees" if finding is None else f"{finding.t:.3f} s, line {finding.line}: {finding.what}"
+            what = "agrees" if finding is None else f"{finding.t:.3f} s, {words(finding.line)}: {finding.what}"
             yield f"run {run.number} at {run.begin_s:.3f} s: {what}"
 
 

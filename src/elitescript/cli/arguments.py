@@ -38,6 +38,7 @@ def add_run(parser: Parser) -> None:
     clock = "controller clock at the start: seconds since 1970 or ISO 8601"
     add_options(parser, "run", epoch_s={"help": clock})
     _add_case(parser)
+    _add_generated(parser)
     parser.add_argument("--realtime", action="store_true", help="one tick per 4 ms of wall time")
     _add_until(parser)
     parser.add_argument("--max-wall", type=float, metavar="SECONDS", help="stop after so much wall time")
@@ -101,13 +102,15 @@ def add_sweep(parser: Parser) -> None:
         "program does not compile, 130 Ctrl-C."
     )
     parser.add_argument("file", metavar="FILE", reads="program", help="program text, UTF-8")
+    _add_generated(parser)
     parser.add_argument(
         "--vary",
         action="append",
         default=[],
         metavar="NAME=KIND(...)",
-        help="a signal, a constant or global of the program, or a world setting such as box.table.x: uniform(a,b), "
-        "normal(mean,deviation), choice(a,b,...), grid(a,b,points); may be repeated",
+        help="a signal, a constant or global of the program, or a world setting such as box.table.x, of FILE.task also "
+        "task.NAME and installation.NAME: uniform(a,b), normal(mean,deviation), choice(a,b,...), grid(a,b,points); "
+        "may be repeated",
     )
     parser.add_argument(
         "--runs", type=int, metavar="N", help="number of runs (default: every grid point once, else 100)"
@@ -242,6 +245,7 @@ def add_check(parser: Parser) -> None:
         reads="programs",
         help="programs, folders (every *.script in them), or - for standard input",
     )
+    _add_generated(parser)
     add_options(
         parser, "check", model={"help": "arm that the programs are for, with its limits and its reach (default: any)"}
     )
@@ -356,6 +360,7 @@ def add_plot(parser: Parser) -> None:
     )
     _add_force(parser)
     _add_case(parser)
+    _add_generated(parser)
     add_options(parser, "plot", model={"help": "arm whose limits are drawn, or its file (default CS66)"})
     _add_until(parser, "stop after so much virtual time (default 300)")
     parser.add_argument("--task-dir", metavar="DIR", reads="folder", help=FOLDER_OF_FILE)
@@ -659,6 +664,7 @@ def add_audit(parser: Parser) -> None:
     parser.add_argument(
         "--program", metavar="FILE", reads="program", help="the program that ran (default: the one in the recording)"
     )
+    _add_generated(parser)
     add_options(
         parser,
         "audit",
@@ -892,6 +898,14 @@ def _add_watch(parser: Parser) -> None:
         action="store_true",
         help="do it again whenever a file has changed: the program, what it names in its task folder, world file, arm "
         "file; Ctrl-C ends it",
+    )
+
+
+def _add_generated(parser: Parser) -> None:
+    parser.add_argument(
+        "--generated",
+        action="store_true",
+        help="of FILE.task, the script that the pendant has written beside it, FILE.task.script, instead of the tree",
     )
 
 

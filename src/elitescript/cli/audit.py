@@ -46,7 +46,7 @@ def audit(options: argparse.Namespace) -> int:
     try:
         found = audited(
             path,
-            given_program(options.program),
+            given_program(options.program, is_generated=options.generated),
             robot=given.pop("model", None),
             world=options.world,
             run=_run(options.run),
@@ -104,15 +104,17 @@ def _run(text: str) -> int | str:
     return int(text)
 
 
-def given_program(path: str | None) -> SourceFile | None:
+def given_program(path: str | None, *, is_generated: bool = False) -> SourceFile | None:
     """Return the program of `--program`; None if there is none.
 
     Raises:
         UsageError: no such file.
     """
     if path is None:
+        if is_generated:
+            raise UsageError("--generated goes with --program FILE.task")
         return None
-    return source_of(path)
+    return source_of(path, is_generated=is_generated)
 
 
 def print_problems(command: str, path: str | None, error: ProgramError) -> None:

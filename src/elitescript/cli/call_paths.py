@@ -13,7 +13,7 @@ from typing import Any, Final
 from elitescript.errors import ElitescriptError, ScriptError, UsageError
 from elitescript.outputs.call_paths import FILE, NEW, ORDINARY, PAGE, REWRITTEN, Read, Written, check_paths
 from elitescript.outputs.writing import Output
-from elitescript.paths import is_program_name, is_task_name, real_path, stream_of
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name, real_path, stream_of
 from elitescript.untrusted.files import PROGRAM, read_text
 
 TYPE_CHECKING = False
@@ -217,14 +217,17 @@ def _programs(value: str, flag: str) -> Iterator[Read]:
         yield Read(value, f"{flag} {value}", A_PROGRAM)
 
 
-def _program(noun: str) -> _Reads:
-    """Return what reads a program: of a graphical one, the files of configurations beside it too."""
+def _program(noun: str, *, is_run: bool = True) -> _Reads:
+    """Return what reads a program: of a graphical one, the files of configurations and the script beside it too."""
 
     def read(value: str, flag: str) -> Iterator[Read]:
         yield Read(value, f"{flag} {value}", noun)
         if is_task_name(value) and _is_ordinary(value):
             for path in sorted(Path(value).parent.glob("*.configuration*")):
                 yield Read(path, f"{flag} {value}", f"{path.name}, a configuration beside the task")
+            script = Path(f"{value}{PROGRAM_SUFFIX}")
+            if is_run and script.is_file():
+                yield Read(script, f"{flag} {value}", f"{script.name}, the script that the pendant has written")
 
     return read
 
@@ -232,7 +235,7 @@ def _program(noun: str) -> _Reads:
 READS: Final[dict[str, _Reads]] = {
     "program": _program("the program"),
     "program or trace": _program("the file that is to be plotted"),
-    "task": _program("the task"),
+    "task": _program("the task", is_run=False),
     "other task": _file("the task that is compared"),
     "compared": _file("the file that is compared"),
     "programs": _programs,

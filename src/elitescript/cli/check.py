@@ -69,7 +69,7 @@ def check(options: argparse.Namespace) -> int:
     for number, text in enumerate(program_texts(options.files, "check")):
         if progress is not None:
             progress.note(f"{number} files checked; {text.name}")
-        checked = _check(text, robot, arm, is_fixed=options.fix)
+        checked = _check(text, robot, arm, is_fixed=options.fix, is_generated=options.generated)
         if has_solids and not any(problem.is_error for problem in checked.problems):
             checked = _with_contacts(checked, text, options)
         if known is not None:
@@ -131,13 +131,15 @@ def _with_contacts(checked: CheckedFile, text: ProgramText, options: argparse.Na
     return checked._replace(problems=in_order([*checked.problems, *contacts]))
 
 
-def _check(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_fixed: bool) -> CheckedFile:
+def _check(
+    text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_fixed: bool, is_generated: bool
+) -> CheckedFile:
     if text.data is None:
         near = neighbours(text.path) if text.is_named and text.path is not None else ""
         problem = diagnostic("E003", 1, 1, text.why_not, hint=near)
         return CheckedFile(text.name, SourceFile(text.name, ""), (problem,))
     if text.path is not None and is_task_name(text.path.name):
-        return _check_task(text, robot, arm)
+        return _check_task(text, robot, arm, is_generated=is_generated)
     repairs: tuple[Repair, ...] = ()
     try:
         source = SourceFile.from_bytes(text.name, text.data)
@@ -167,21 +169,22 @@ def _check(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_f
     return CheckedFile(text.name, source, found, repairs)
 
 
-def _check_task(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None) -> CheckedFile:
+def _check_task(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_generated: bool) -> CheckedFile:
     """Return what is found in a graphical program, node by node: in its tree and in its script."""
     # Imported late: few programs are graphical.
-    from elitescript.environment.task_files import refused_task, source_of_task
+    from elitescript.environment.task_files import pendant_source, refused_task, source_of_task
 
     assert text.path is not None
     try:
-        source = source_of_task(text.path)
+        source = pendant_source(text.path) if is_generated else source_of_task(text.path)
     except ProgramError as error:
         return CheckedFile(text.name, refused_task(text.path), error.problems)
-    if arm is None and source.arm:
+    made_for = "" if source.tree is None else source.tree.arm
+    if arm is None and made_for:
         # What depends on the arm is looked at for the one that the task was made for.
         from elitescript.kernel.arm_facts import arm_facts
         from elitescript.models.model import model_names
 
-        arm = arm_facts(replace(robot, model=source.arm)) if source.arm in model_names() else None
+        arm = arm_facts(replace(robot, model=made_for)) if made_for in model_names() else None
     found = check_source(source, profile(robot.firmware), strict=robot.strict, arm=arm, ignored=robot.ignored)
     return CheckedFile(text.name, source, found)

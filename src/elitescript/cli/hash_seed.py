@@ -38,7 +38,10 @@ def program_of_any_seed(options: argparse.Namespace) -> Parsed | None:
             return None
         if may_hold_set(parse_settings(options.set)[1].values()):
             return None
-        parsed = parse(source_of(path), Options(strict=getattr(options, "strict", False)))
+        parsed = parse(
+            source_of(path, options.task_dir, is_generated=options.generated),
+            Options(strict=getattr(options, "strict", False)),
+        )
     except (OSError, ProgramError, UsageError):
         # The run reports it.
         return None

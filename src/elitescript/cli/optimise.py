@@ -9,13 +9,13 @@ from typing import Any, Final
 from elitescript.cli.output.screen import palette_of, progress_on, rendered
 from elitescript.environment.stop_signals import cause_of, exit_code_of
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.text.source import SourceFile
 from elitescript.shown import shown
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.optimise import Candidate, Change, Outcome, Search, check_search, optimise
 from elitescript.sweep.plans.plan import Plan
 from elitescript.sweep.plans.program_values import constant_lines
+from elitescript.sweep.plans.trees import PREFIXES, source_of_plan
 from elitescript.sweep.plans.variations import parse_variation
 from elitescript.sweep.results.table_files import TableFiles
 from elitescript.sweep.results.tables import json_line, output_of, write_table
@@ -199,7 +199,9 @@ def _use_lines(search: Search, best: Candidate, file: str) -> list[str]:
     lines: list[str] = []
     constants = constant_lines(search.plan.program, [row.name for row in search.over])
     for name, value in best.values.items():
-        if "." in name:
+        if name.startswith(PREFIXES):
+            lines.append(f"  in {file}: {name} = {shown_value(value)}")
+        elif "." in name:
             lines.append(f"  in the world file: {name} = {shown_value(value)}")
         elif name in constants:
             lines.append(f"  {file}:{constants[name]}: {name} = {shown_value(value)}")
@@ -225,7 +227,7 @@ def _commonest(texts: Iterable[str]) -> str:
 
 
 def _print_problems(problems: Iterable[Any], plan: Plan) -> None:
-    source = SourceFile(plan.program_name, plan.program)
+    source = source_of_plan(plan)
     for problem in problems:
         print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)
 

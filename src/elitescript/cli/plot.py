@@ -150,7 +150,8 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     robot.set_network_by(COMMAND_LINE)
     robot.reports_signals = False
     robot.set_start(signals)
-    source = source_of(path, options.task_dir)
+    source = source_of(path, options.task_dir, is_generated=options.generated)
+    report.problems((), source)
     recorder = RunRecorder(robot, Sampling())
     checked = compile_checked(source, robot.profile, robot.text_options(source), presets=presets, arm=robot.model)
     progress = progress_on(sys.stderr, robot.time_s)

@@ -96,7 +96,11 @@ def _run(options: argparse.Namespace, report: RunReport) -> int:
         if value is not None:
             accepted(UNTIL, value, name)
     try:
-        source = source_of(path, options.task_dir) if options.parsed is None else options.parsed.source
+        source = (
+            source_of(path, options.task_dir, is_generated=options.generated)
+            if options.parsed is None
+            else options.parsed.source
+        )
     except ProgramError as error:
         report.problems(error.problems, refused_source(path))
         return DOES_NOT_COMPILE

@@ -26,6 +26,7 @@ from elitescript.environment.start_values import parse_settings
 from elitescript.environment.state_file import StateFile
 from elitescript.environment.stop_signals import handled_signals
 from elitescript.errors import UsageError
+from elitescript.findings.found import Tally
 from elitescript.json_records import jsonlines
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.arm import named_model
@@ -439,6 +440,7 @@ class ServeLog:
         """Events and lines before all ports were open; None afterwards."""
         self._reports: dict[str, RunReport] = {}
         self._task_states: dict[str, TaskState] = {}
+        self._tallies = {name: Tally() for name in names}
         for name in names:
             if is_json:
                 tag = f'{{"robot":{jsonlines.line({"": name})[4:-1]},' if self._are_several else "{"
@@ -510,7 +512,10 @@ class ServeLog:
         """Print an event of a robot, or a line about a client, a port or time."""
         if self._held is not None:
             self._held.append((robot, what))
-        elif isinstance(what, TaskLoaded | TaskStateChanged):
+            return
+        if not isinstance(what, LogLine):
+            self._tallies[robot].take(what)
+        if isinstance(what, TaskLoaded | TaskStateChanged):
             self._task(robot, what)
         elif not isinstance(what, LogLine):
             self._reports[robot].event(served(what))
@@ -535,8 +540,12 @@ class ServeLog:
             is_resumed = before is TaskState.PAUSED and event.state is TaskState.PLAYING
             what = "resumed" if is_resumed else event.ending or _TASK_WORDS[event.state]
         successor = event.replaced_by if isinstance(event, TaskStateChanged) else ""
+        is_end = isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED
+        found = self._tallies[robot].findings if is_end else None
         if self._is_json:
             record = {"type": "task", "robot": robot, "t": seconds(event.tick), "state": what, "name": event.name}
+            if found is not None:
+                record["findings"] = found.counts()
             line = jsonlines.line({**record, "replaced_by": successor} if successor else record) + "\n"
             if isinstance(self._out, QueuedStream):
                 # A stop shows when it acts, also where much of what the program has said before is still to be read.
@@ -548,6 +557,7 @@ class ServeLog:
         words = "ended by an alarm" if what == "alarm" else what
         name = shown_word(event.name) or "a program without a name"
         by = f", replaced by {shown_word(successor)}" if successor else ""
+        by += f", {found.words}" if found else ""
         self._out.write(f"{self._tag(robot)}{seconds(event.tick):10.3f} s  [{shown_word(words)}] {name}{by}\n")
         self._out.flush()
 

@@ -20,8 +20,8 @@ from elitescript.codec.json_text import to_text
 from elitescript.environment.process import cores
 from elitescript.environment.stop_signals import Stopped, cause_of, exit_code_of
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.text.source import SourceFile
 from elitescript.page import NOT_BUILT, is_built
+from elitescript.paths import PROGRAM_SUFFIX
 from elitescript.shown import shown, shown_word
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.engines.engine import Engine
@@ -30,6 +30,7 @@ from elitescript.sweep.failures.findings import KINDS_MAX, Finding, Places, Reme
 from elitescript.sweep.making import make_plan, runs_of
 from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.plans.plan_json import disturbance_data, plan_digest
+from elitescript.sweep.plans.trees import source_of_plan
 from elitescript.sweep.plans.variations import grid_size, parse_variation
 from elitescript.sweep.results.journal import Journal
 from elitescript.sweep.results.page import PAGE_SAMPLE
@@ -79,6 +80,7 @@ def sweep(options: argparse.Namespace) -> int:
         chaos=options.chaos or "",
         step_s=options.step,
         has_margins=options.margins,
+        is_generated=options.generated,
         without_files=[*(files or ()), *([Path(options.page)] if options.page else ())],
     )
     if options.json and "type" in columns(plan):
@@ -135,7 +137,7 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, files: 
     out = None if files is None else files.table
     places = Places(
         Path() if out is None else out.parent,
-        options.file,
+        f"{options.file}{PROGRAM_SUFFIX}" if options.generated else options.file,
         options.world or "",
         options.task_dir or "",
         options_from(options),
@@ -153,7 +155,9 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, files: 
         except KeyboardInterrupt as came:
             stop = came
         sweeping.finish(out if stop is None else None, totals.add)
-        summary = summary_of(totals, is_random=options.only is None and is_random(plan))
+        summary = summary_of(
+            totals, is_random=options.only is None and is_random(plan), line_words=source_of_plan(plan).line_words
+        )
         findings: list[Finding] = []
         if stop is None and not options.no_cases:
             try:
@@ -460,6 +464,6 @@ def _note_grid(plan: Plan, runs: int) -> None:
 
 
 def _print_problems(problems: Iterable[Any], plan: Plan) -> None:
-    source = SourceFile(plan.program_name, plan.program)
+    source = source_of_plan(plan)
     for problem in problems:
         print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)

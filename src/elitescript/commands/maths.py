@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, Any
 
-from elitescript.commands.definition.quantities import Either, Number, Radians, Real, Vector, Whole
+from elitescript.commands.definition.quantities import AsGiven, Either, Integer, Number, Radians, Real, Vector, Whole
 from elitescript.commands.definition.registry import command
 from elitescript.commands.definition.results import STATE
 from elitescript.errors import InvalidValueError
@@ -13,12 +13,15 @@ from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
+    from elitescript.messages.profile import Profile
 
 _Degrees = Annotated[float, Number("deg")]
 _SineOrCosine = Annotated[float, Number("", -1.0, 1.0)]
 _NotNegative = Annotated[float, Number("", 0.0)]
 _Positive = Annotated[float, Number("", 0.0, is_low_open=True)]
 _Numbers = Annotated[tuple[float, ...], Vector(Number(), None)]
+_RealAsGiven = Annotated[float, AsGiven()]
+_WholeOrReal = Annotated[float, Either(Integer(), Number())]
 
 
 @command(family="math", manual="2.2.8")
@@ -205,7 +208,7 @@ def sqrt(f: _NotNegative) -> _NotNegative:
 
 
 @command(family="math", manual="2.2.21")
-def pow(base: Real, exponent: Real) -> Real:
+def pow(profile: Profile, base: _RealAsGiven, exponent: _RealAsGiven) -> _WholeOrReal:
     """Return `base` to the power of `exponent`.
 
     Args:
@@ -213,17 +216,21 @@ def pow(base: Real, exponent: Real) -> Real:
         exponent: exponent.
 
     Returns:
-        The power, always a float.
+        The power: whole if base and exponent are whole and the exponent is not negative (2 to the power of 3 is 8),
+        else a float.
 
     Raises:
         InvalidValueError: the result is not a real number or too large for a float.
     """
     try:
-        return math.pow(base, exponent)
+        power = math.pow(base, exponent)
     except OverflowError:
         reason = "is too large for a float"
     except ValueError:
         reason = "is not a real number"
+    else:
+        is_whole = profile.are_powers_whole and isinstance(base, int) and isinstance(exponent, int) and exponent >= 0
+        return base**exponent if is_whole else power
     raise InvalidValueError(
         said("{base:g} to the power of {exponent:g} {reason}", base=base, exponent=exponent, reason=reason),
         value=[base, exponent],

@@ -14,6 +14,7 @@ from elitescript.commands.definition.results import Result
 from elitescript.kinematics import pose as algebra
 
 _Angles = Annotated[tuple[float, float, float], Vector(Number(), 3, "rad")]
+_RollPitchYaw = Annotated[tuple[float, float, float], Vector(Number(), 3, "rad", meaning="roll, pitch, yaw")]
 
 
 @command(family="math", manual="2.2.24")
@@ -117,7 +118,7 @@ def rotvec2rpy(rotation_vector: _Angles) -> _Angles:
 
 
 @command(family="math", manual="2.2.31")
-def rpy2rotvec(rpy_vector: _Angles) -> _Angles:
+def rpy2rotvec(rpy_vector: _RollPitchYaw) -> _Angles:
     """Return the rotation vector of roll-pitch-yaw angles.
 
     Args:

@@ -226,6 +226,16 @@ def moves(run: int, found: Iterable[tuple[float, float, str, int]]) -> Message:
     return {"type": "moves", "run": run, "list": rows}
 
 
+def marks(run: int, found: Sequence[tuple[int, int]]) -> Message:
+    """Return at which ticks which nodes of a graphical program began."""
+    return {
+        "type": "marks",
+        "run": run,
+        "t": [seconds(tick) for tick, _ in found],
+        "node": [number for _, number in found],
+    }
+
+
 def contacts(run: int, found: Iterable[Contact]) -> Message:
     """Return contacts, and the closest that anything came to a thing."""
     return {"type": "contacts", "run": run, "list": [contact._asdict() for contact in found]}

@@ -49,6 +49,9 @@ FIX_BYTES_MAX: Final = 16 << 10
 PLACES_MAX: Final = 100
 """Places to which a run has tried to connect in vain."""
 
+MARKS_MAX: Final = 50_000
+"""Times at which nodes of a graphical program began; beyond them the first one of each node."""
+
 _BESIDE: Final = 64
 """Bytes of a record beside its texts."""
 
@@ -168,3 +171,24 @@ class EventBudget:
         self._last_bytes += size
         while len(self._last) > LAST_EVENTS or self._last_bytes > LAST_BYTES:
             self._last_bytes -= size_of(self._last.popleft()[1])
+
+
+class MarkBudget:
+    """Chooses the line marks that a page is given, as they come."""
+
+    __slots__ = ("_count", "_known")
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._known: set[int] = set()
+
+    def take(self, marks: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+        """Return those of marks, each a tick and the number of a node, that are given."""
+        given = []
+        for mark in marks:
+            is_first = mark[1] not in self._known
+            if self._count < MARKS_MAX or (is_first and self._count < 2 * MARKS_MAX):
+                self._count += 1
+                self._known.add(mark[1])
+                given.append(mark)
+        return given

@@ -113,4 +113,6 @@ def program_coverage(path: str, program: AnalysedProgram, counts: Sequence[int])
         tuple(branches),
         tuple(Function(row.name, row.line, row.end_line, count(row.number)) for row in table.functions),
         tuple(handlers),
+        program.source.places,
+        tuple(map(program.source.file_line, range(1, len(source) + 1))) if program.source.places else (),
     )

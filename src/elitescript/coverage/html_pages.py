@@ -131,6 +131,12 @@ def _program(program: ProgramCoverage) -> str:
             f'<td class="text">{escape(text)}</td><td class="note">{escape(note)}</td></tr>'
         )
     body.append("</table></div>")
+    if program.places:
+        body.append('<h2>Nodes</h2><div class="wide"><table class="numbers"><tr><th>Node</th><th>Runs</th></tr>')
+        for node in program.nodes:
+            kind = "" if node.hits else ' class="miss"'
+            body.append(f"<tr{kind}><td>{escape(node.place)}</td><td>{node.hits}</td></tr>")
+        body.append("</table></div>")
     if program.functions:
         body.append(
             '<h2>Functions</h2><div class="wide"><table class="numbers"><tr><th>Function</th><th>Calls</th></tr>'

@@ -47,6 +47,7 @@ def _program(program: ProgramCoverage) -> dict[str, Any]:
             for row in program.functions
         ],
         "handlers": [{"line": row.line, "text": row.text, "hits": row.hits} for row in program.handlers],
+        **({"nodes": [{"node": row.place, "hits": row.hits} for row in program.nodes]} if program.places else {}),
         "totals": _numbers(program.numbers),
     }
 

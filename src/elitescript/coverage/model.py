@@ -47,6 +47,14 @@ class Handler:
 
 
 @record
+class NodeCoverage:
+    """A node of a graphical program: where it is, as people say it, and how often it began."""
+
+    place: str
+    hits: int
+
+
+@record
 class ProgramCoverage:
     """What tests have run of one program.
 
@@ -57,6 +65,8 @@ class ProgramCoverage:
         branches: in the order of the text.
         functions: in the order of the text.
         handlers: in the order of the text.
+        places: of a graphical program, the node of each line.
+        file_lines: of a graphical program, the line of its file in which the node of each line begins.
     """
 
     path: str
@@ -65,6 +75,39 @@ class ProgramCoverage:
     branches: tuple[Branch, ...] = ()
     functions: tuple[Function, ...] = ()
     handlers: tuple[Handler, ...] = ()
+    places: tuple[str, ...] = ()
+    file_lines: tuple[int, ...] = ()
+
+    @property
+    def nodes(self) -> tuple[NodeCoverage, ...]:
+        """The nodes of a graphical program that have statements, in the order of its script."""
+        found: dict[str, int] = {}
+        for line, hits in sorted(self.lines.items()):
+            if place := self.place(line):
+                # How often its first statement ran: that of a loop, not of its turns.
+                found.setdefault(place, hits)
+        return tuple(NodeCoverage(place, hits) for place, hits in found.items())
+
+    def place(self, line: int) -> str:
+        """Return the node of a line; empty for a program that is no tree, and a line that belongs to none."""
+        return self.places[line - 1] if 0 < line <= len(self.places) else ""
+
+    def in_file(self) -> ProgramCoverage:
+        """Return it by lines of the file: of a graphical program, those in which its nodes begin.
+
+        A line has the least count of its nodes, so that one that never ran shows.
+        """
+        if not self.file_lines:
+            return self
+        lines: dict[int, int] = {}
+        seen: set[str] = set()
+        for line, hits in sorted(self.lines.items()):
+            place = self.place(line)
+            if place and place not in seen:
+                seen.add(place)
+                there = self.file_lines[line - 1]
+                lines[there] = min(lines.get(there, hits), hits)
+        return ProgramCoverage(self.path, self.source, lines)
 
     @property
     def numbers(self) -> Numbers:

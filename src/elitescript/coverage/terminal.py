@@ -46,10 +46,22 @@ def _cells(numbers: Numbers) -> tuple[str, ...]:
 
 
 def missing_text(program: ProgramCoverage) -> str:
-    """Return the lines that never ran, and the ways never taken from lines that ran: `3-5, 9->11`."""
+    """Return the lines that never ran, and the ways never taken from lines that ran: `3-5, 9->11`.
+
+    Of a graphical program, the nodes that never ran, and those with such a way: `4 MoveJ > 5 W1, 7 If (12->14)`.
+    """
+    if program.places:
+        return ", ".join(shown(text) for text in _missing_nodes(program))
     parts = [(first, str(first) if first == last else f"{first}-{last}") for first, last in _spans(program)]
     parts += [(branch.line, branch.text) for branch in program.missed_branches]
     return ", ".join(text for _, text in sorted(parts))
+
+
+def _missing_nodes(program: ProgramCoverage) -> Iterator[str]:
+    yield from (node.place for node in program.nodes if not node.hits)
+    for branch in program.missed_branches:
+        if place := program.place(branch.line):
+            yield f"{place} ({branch.text})"
 
 
 def _spans(program: ProgramCoverage) -> Iterator[tuple[int, int]]:

@@ -8,8 +8,9 @@ stop between two statements for the rest, which the client does not notice.
 from __future__ import annotations
 
 import os
+import re
 import sys
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
@@ -45,6 +46,7 @@ from elitescript.shown import shown
 if TYPE_CHECKING:
     from elitescript.services.control.debugging import ServedSession
 
+_NUMBERS: Final = re.compile(r"\d+")
 STOPPED_EXIT: Final = EXIT_CODES["stopped"]
 
 MAIN_THREAD: Final = 1
@@ -120,6 +122,7 @@ class Adapter:
         "_send",
         "_stopped_thread",
         "_threads",
+        "_told",
         "breakpoints",
         "client",
         "forks",
@@ -157,6 +160,8 @@ class Adapter:
         self._is_sending = False
         self._threads: dict[int, str] = {}
         """Threads that the client knows, by number."""
+        self._told: set[tuple[str, int, str]] = set()
+        """Findings that the client was told: severity, line and text without its numbers."""
         self._stopped_thread = 0
         """With which the client shows why the program has stopped; 0 for none."""
         self.state = State.NEW
@@ -399,7 +404,7 @@ class Adapter:
 
     def _report_stop(self, stop: Stop) -> None:
         if stop.reason == END and not self.debuggee.stops_on_end:
-            self.note(stop.text, "console")
+            self.note(f"{stop.text}{self._verdict()}", "console")
             self._report_threads({})
             self.close(EXIT_CODES.get(stop.result, 1))
             return
@@ -465,7 +470,8 @@ class Adapter:
         elif kind == "ended":
             self.state = State.RUNNING
             self._report_threads({})
-            self.note(f"the program has ended: {content.get('result', '')}", "console")
+            self.note(f"the program has ended: {content.get('result', '')}{self._verdict()}", "console")
+            self._told.clear()
         elif kind == "breakpoint":
             for body in self.breakpoints.changed(read(BreakpointState, content.get("state")), self.client):
                 self.event("breakpoint", {"reason": "changed", "breakpoint": body})
@@ -501,8 +507,17 @@ class Adapter:
         """Write a line to the client's console."""
         self.event("output", {"category": category, "output": f"{shown(text)}\n"})
 
+    def _verdict(self) -> str:
+        """Return how many findings the program had, as the end of a sentence."""
+        counts = Counter(severity for severity, _, _ in self._told)
+        return "".join(
+            f", {count} {word}{'' if count == 1 else 's'}" for word, count in sorted(counts.items(), reverse=True)
+        )
+
     def report_output(self, output: Output) -> None:
         """Write what a program says to the client's console."""
+        if output.severity:
+            self._told.add((output.severity, output.line, _NUMBERS.sub("#", output.text)))
         body: Body = {"category": output.category, "output": f"{shown(output.text)}\n"}
         texts = [] if self._debuggee is None else self._debuggee.texts()
         source = output.source if output.source in texts else next(iter(texts), "") if len(texts) == 1 else ""

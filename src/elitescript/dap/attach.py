@@ -8,9 +8,11 @@ from typing import Any, Final
 
 from elitescript.dap.messages import Arguments
 from elitescript.dap.sources import Sources, path_of
+from elitescript.dap.tasks import DebuggedTask
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.living_breakpoints import digest_of
 from elitescript.language.text.source import SourceFile
+from elitescript.paths import is_task_name
 from elitescript.services.control.debugging import ServedSession
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
@@ -72,11 +74,33 @@ class Attached:
 
     def set_lines(self, source: Arguments, requests: Sequence[LineBreakpoint]) -> tuple[BreakpointState, ...] | None:
         """Replace the breakpoints of a file: of the programs that have its name or its text, also those that come."""
+        if (task := self._task(source)) is not None:
+            given = {"path": task.path, "text": task.task.source.text}
+            return task.set_lines(requests, lambda moved: self.session.set_breakpoints(moved, **given))
         return self.session.set_breakpoints(requests, **self._file(source))
+
+    def node(self, name: str, line: int) -> str:
+        """See `Debuggee.node`; a robot that lives says its lines alone."""
+        return ""
+
+    def located(self, source: Arguments, line: int) -> tuple[str, int] | None:
+        """See `Debuggee.located`."""
+        name = self._sources.named(source)
+        return None if name is None else (name, line)
 
     def places(self, source: Arguments, line: int, end_line: int) -> tuple[Place, ...]:
         """Return the statements that begin in lines of a text that runs or ran last, the last line included."""
+        if (task := self._task(source)) is not None:
+            return task.locations(line, end_line)
         return self.session.breakpoint_locations(line, end_line, **self._file(source))
+
+    @staticmethod
+    def _task(source: Arguments) -> DebuggedTask | None:
+        """Return the graphical program that a file is; None for another one."""
+        path = path_of(source.text("path", ""))
+        if source.number("sourceReference", 0) or not is_task_name(path) or not Path(path).is_file():
+            return None
+        return DebuggedTask(path)
 
     def _file(self, source: Arguments) -> dict[str, str]:
         """Return path and text of a file; name and text of what has none."""

@@ -51,5 +51,11 @@ class Debuggee(Protocol):
     def set_lines(self, source: Arguments, requests: Sequence[LineBreakpoint]) -> tuple[BreakpointState, ...] | None:
         """Replace the breakpoints of one text; None if that is none that can run."""
 
+    def node(self, name: str, line: int) -> str:
+        """Return the node of a graphical program to which a line of a text belongs; empty: it belongs to none."""
+
+    def located(self, source: Arguments, line: int) -> tuple[str, int] | None:
+        """Return the name of the text, and the line there, that a line of a `Source` of a client is."""
+
     def places(self, source: Arguments, line: int, end_line: int) -> tuple[Place, ...]:
         """Return the statements that begin in lines of a text, the last line included."""

@@ -13,13 +13,16 @@ from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
 from elitescript.environment.network_option import LAUNCH
 from elitescript.environment.start_values import check_presets, parse_settings, sorted_settings
-from elitescript.errors import did_you_mean
+from elitescript.errors import ProgramError, did_you_mean
 from elitescript.kernel.options import OPTIONS, UNTIL, accept, accepted
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import ticks_for
+from elitescript.paths import is_task_name
+from elitescript.world_file import arm_of_program
 
 if TYPE_CHECKING:
     from elitescript.dap.journal_source import JournalSource
+    from elitescript.dap.tasks import DebuggedTask
 
 RENAMED: Final = {"robot": "model"}
 """Arguments of `launch` that are called as on the command line."""
@@ -58,6 +61,7 @@ class Launched:
     __slots__ = (
         "_source",
         "_sources",
+        "_task",
         "_texts",
         "advice",
         "arguments",
@@ -82,13 +86,17 @@ class Launched:
         self.no_debug = arguments.flag("noDebug")
         self.stops_on_end = arguments.flag("stopOnEnd") and not self.no_debug
         self.advice = _advice(arguments)
-        self._source = _source(arguments, program)
+        self._task = _task(arguments, program)
+        self._source = _source(arguments, program, self._task)
         self._sources = sources
         self.name = self._source.name
         self.problems = self._source.problems
         if isinstance(self._source, ProgramSource):
             self._texts = {self.name: self._source.text}
-            sources.found(self.name, self.name)
+            if self._task is None:
+                sources.found(self.name, self.name)
+            else:
+                sources.generated(self.name, self.name)
         else:
             self._texts = self._source.texts
             for name, first in self._source.first_names.items():
@@ -105,16 +113,50 @@ class Launched:
 
     def set_lines(self, source: Arguments, requests: Sequence[LineBreakpoint]) -> tuple[BreakpointState, ...] | None:
         """Replace the breakpoints of a text of the run; None for any other one."""
+        if self._task is not None and self._task.is_file(source):
+            return self._task.set_lines(
+                requests, lambda moved: self.session.set_breakpoints(moved, text=self.name, group="file")
+            )
         name = self._sources.named(source)
         return self.session.set_breakpoints(requests, text=name) if name in self._texts else None
 
+    def node(self, name: str, line: int) -> str:
+        """See `Debuggee.node`."""
+        return self._task.node(line) if self._task is not None and name == self.name else ""
+
+    def located(self, source: Arguments, line: int) -> tuple[str, int] | None:
+        """See `Debuggee.located`."""
+        if self._task is not None and self._task.is_file(source):
+            return self.name, self._task.places.script_line(line)
+        name = self._sources.named(source)
+        return None if name is None else (name, line)
+
     def places(self, source: Arguments, line: int, end_line: int) -> tuple[Place, ...]:
         """Return the statements that begin in lines of a text of the run, the last line included."""
+        if self._task is not None and self._task.is_file(source):
+            return self._task.locations(line, end_line)
         name = self._sources.named(source)
         return self.session.breakpoint_locations(line, end_line, text=name) if name in self._texts else ()
 
 
-def _source(arguments: Arguments, program: str) -> ProgramSource | JournalSource:
+def _task(arguments: Arguments, program: str) -> DebuggedTask | None:
+    """Return a graphical program that can run; None for other programs.
+
+    Raises:
+        ProgramError: it cannot run.
+    """
+    if not is_task_name(program):
+        return None
+    # Few sessions debug a graphical program, and what reads one takes time to import.
+    from elitescript.dap.tasks import DebuggedTask
+
+    task = DebuggedTask(program, arguments.text("taskDir") if arguments.has("taskDir") else None)
+    if task.errors:
+        raise ProgramError(task.errors, program)
+    return task
+
+
+def _source(arguments: Arguments, program: str, task: DebuggedTask | None) -> ProgramSource | JournalSource:
     until_s = accepted(UNTIL, arguments.data["until"], "launch: until") if arguments.has("until") else None
     if program.endswith(JOURNAL_SUFFIX):
         # Few sessions debug a journal, and what reads one takes time to import.
@@ -125,9 +167,13 @@ def _source(arguments: Arguments, program: str) -> ProgramSource | JournalSource
         return JournalSource(Path(program), None if until_s is None else ticks_for(until_s))
     options = _robot_options(arguments)
     levels, presets = _start_values(arguments)
+    world = arguments.text("world") if arguments.has("world") else None
+    if task is not None and "model" not in options and (arm := arm_of_program(program, world)):
+        options["model"] = arm
     source = ProgramSource(
         program,
-        world=arguments.text("world") if arguments.has("world") else None,
+        source=None if task is None else task.task.source,
+        world=world,
         levels=levels,
         presets=presets,
         until_s=until_s,

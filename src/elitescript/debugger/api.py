@@ -402,6 +402,7 @@ class Output:
         position: where in the history.
         time_s: robot time.
         source: name of the text whose line it is; empty if that is not known.
+        severity: `warning` or `note` of a finding; empty for anything else.
     """
 
     category: str
@@ -411,3 +412,4 @@ class Output:
     position: Position
     time_s: float
     source: str = ""
+    severity: str = ""

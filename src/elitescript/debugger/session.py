@@ -106,7 +106,7 @@ class DebugSession:
         self._next_id = 1
         self._is_closed = False
         self._is_pausing = False
-        self._lines: dict[str, list[CodeRule]] = {}
+        self._lines: dict[tuple[str, str], list[CodeRule]] = {}
         """By the name of the text."""
         self._functions: list[CodeRule] = []
         self._data: list[DataRule] = []
@@ -260,19 +260,22 @@ class DebugSession:
 
     # ---------------------------------------------------------------- breakpoints
 
-    def set_breakpoints(self, requests: Sequence[LineBreakpoint], *, text: str = "") -> tuple[BreakpointState, ...]:
+    def set_breakpoints(
+        self, requests: Sequence[LineBreakpoint], *, text: str = "", group: str = ""
+    ) -> tuple[BreakpointState, ...]:
         """Replace the breakpoints of lines of one text.
 
         Args:
             requests: in their order.
             text: its name, as `Frame.source`; that of the program if empty.
+            group: of breakpoints that replace each other, where a text has several, as those set in another file.
         """
         rules, states = [], []
         for request in requests:
             rule, state = self._line_rule(request, self._rows(text))
             rules += [rule] if rule is not None else []
             states.append(state)
-        self._lines[text or self._source.name] = rules
+        self._lines[text or self._source.name, group] = rules
         self._set_rules()
         return tuple(states)
 

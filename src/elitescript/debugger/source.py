@@ -129,6 +129,7 @@ class ProgramSource:
     Args:
         path: the program.
         text: its text, if that is not the one of the file.
+        source: its text with what is known of it, such as the nodes of a graphical program; None: that of the file.
         world: path of a world file, or a function that makes what is around the robot, for each execution anew.
         levels: signals at the start (`--set` of signals).
         schedule: time, s, name and value of signals that change later; see `VirtualRobot.at`.
@@ -153,6 +154,7 @@ class ProgramSource:
         path: str | Path,
         *,
         text: str | None = None,
+        source: SourceFile | None = None,
         world: str | Path | Callable[[], Surroundings] | None = None,
         levels: Mapping[str, Value] | None = None,
         schedule: Iterable[tuple[float, str, Value]] = (),
@@ -163,7 +165,8 @@ class ProgramSource:
         network_by: Way = PYTHON,
         **options: Any,
     ) -> None:
-        source = source_of(Path(path)) if text is None else SourceFile(str(path), text)
+        if source is None:
+            source = source_of(Path(path)) if text is None else SourceFile(str(path), text)
         self.name, self.text = source.name, source.text
         self._source = source
         self._plain: CompiledUnit | None = None

@@ -22,7 +22,8 @@ def output_of(event: Event, position: Position, time_s: float) -> Output | None:
         return Output("important", f"{title}{event.text}", event.line, event.thread, position, time_s)
     if isinstance(event, Warned):
         code = f"{event.code} " if event.code else ""
-        return Output("important", f"{code}{event.text}", event.line, event.thread, position, time_s)
+        text = f"{code}{event.text}"
+        return Output("important", text, event.line, event.thread, position, time_s, severity=event.severity)
     if isinstance(event, Alarm):
         text = f"{event.code} {event.class_name}: {event.text}"
         return Output("stderr", text, event.line, event.thread, position, time_s)

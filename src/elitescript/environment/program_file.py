@@ -10,13 +10,14 @@ from elitescript.errors import UsageError
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.text.source import SourceFile
 from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
+from elitescript.said import said
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
 _MOST_NEIGHBOURS: Final = 1000
 """Files of a folder that are looked at to find the one that was meant."""
 
 
-def source_of(program: str | Path, task_dir: str | Path | None = None) -> SourceFile:
+def source_of(program: str | Path, task_dir: str | Path | None = None, *, is_generated: bool = False) -> SourceFile:
     """Return the source of a program: a path, or a text.
 
     A str is a path if it is a single line that ends in `.script` or otherwise looks like a path: a word with a suffix,
@@ -25,6 +26,7 @@ def source_of(program: str | Path, task_dir: str | Path | None = None) -> Source
     Args:
         program: the path or the text.
         task_dir: the task folder, where a graphical program finds its configuration; None: the folder of its file.
+        is_generated: of a graphical program, take the script that the pendant has written beside it.
 
     Raises:
         UsageError: the file cannot be read.
@@ -35,9 +37,11 @@ def source_of(program: str | Path, task_dir: str | Path | None = None) -> Source
     path = Path(program)
     if is_task_name(path.name) and path.exists():
         # Imported late: few programs are graphical.
-        from elitescript.environment.task_files import source_of_task
+        from elitescript.environment.task_files import pendant_source, source_of_task
 
-        return source_of_task(path, task_dir)
+        return pendant_source(path, task_dir) if is_generated else source_of_task(path, task_dir)
+    if is_generated:
+        raise UsageError(said("--generated: {program} is no graphical program (.task)", program=path))
     try:
         data = read_bytes(path, PROGRAM, is_stream_allowed=True)
     except UnreadableError as error:

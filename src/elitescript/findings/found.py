@@ -8,7 +8,8 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from elitescript.language.diagnostics import Diagnostic
-from elitescript.messages.events import SOURCES, Alarm, DeviceNoted, Warned
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import SOURCES, Alarm, DeviceNoted, Event, TaskStateChanged, Warned
 from elitescript.messages.findings import ERROR, NOTE, SEVERITIES, WARNING, Finding
 from elitescript.messages.timing import seconds
 from elitescript.records import replace
@@ -19,6 +20,9 @@ KINDS_MAX: Final = 1000
 
 _NUMBERS: Final = re.compile(r"[-+]?\d[\d.]*(?:e[-+]?\d+)?")
 _ORDER: Final = {severity: number for number, severity in enumerate(SEVERITIES)}
+
+_REFUSED: Final = {"R101": "E304", "R102": "E305", "R103": "E303"}
+"""Codes of `check` by those of the alarms for the same argument, whose value is another text in a run."""
 
 _Key = tuple[object, ...]
 
@@ -126,11 +130,16 @@ class Found:
         for problem in of_text:
             in_text.setdefault((problem.code, problem.line), len(rows))
             in_text.setdefault((problem.text, problem.line), len(rows))
+            if problem.code in _REFUSED.values():
+                in_text.setdefault((f"{problem.code} {_argument(problem.text)}", problem.line), len(rows))
             rows.append(finding_of_text(problem))
         for found in self._rows.values():
             at = in_text.get((found.code, found.line)) if found.code else None
             if at is None and found.severity == ERROR:
-                at = in_text.get((found.text.partition(": ")[2], found.line))
+                text = found.text.partition(": ")[2]
+                at = in_text.get((text, found.line))
+                if at is None and found.code in _REFUSED:
+                    at = in_text.get((f"{_REFUSED[found.code]} {_argument(text)}", found.line))
             if at is None:
                 rows.append(found)
             elif rows[at].t is None:
@@ -138,6 +147,36 @@ class Found:
             else:
                 rows[at] = replace(rows[at], count=rows[at].count + found.count)
         return in_order(rows)
+
+
+def _argument(text: str) -> str:
+    """Return command and argument, with which the text of a refusal begins."""
+    return " ".join(text.split(" ", 2)[:2])
+
+
+class Tally:
+    """Counts what a robot has found since its task began, of its events: for what has no `Run`."""
+
+    __slots__ = ("_found", "_runs")
+
+    def __init__(self) -> None:
+        self._found: Found | None = None
+        self._runs = False
+
+    def take(self, event: Event) -> None:
+        """Take an event."""
+        if isinstance(event, TaskStateChanged):
+            if not self._runs:
+                self._found = None
+            self._runs = event.state is not TaskState.STOPPED
+        elif isinstance(event, Warned | DeviceNoted):
+            self._found = self._found or Found()
+            self._found.take(event, 0)
+
+    @property
+    def findings(self) -> Findings:
+        """All of the task that runs, or has ended last; an alarm is no finding beside the end that it is."""
+        return Findings() if self._found is None else self._found.listed()
 
 
 def in_order(rows: Iterable[Finding]) -> Findings:

@@ -12,12 +12,14 @@ still being compiled, too.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from itertools import accumulate
 from typing import Final, Protocol
 
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import compile_unit
+from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.limits import SymbolCount
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.text.source import SourceFile
@@ -25,7 +27,8 @@ from elitescript.lint.engine import CheckResult, compile_checked
 from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.records import NamedTuple
+from elitescript.records import NamedTuple, replace
+from elitescript.said import said
 
 TEXTS_MAX: Final = 4
 """Texts that may wait to come back."""
@@ -48,6 +51,8 @@ class Job(NamedTuple):
     """See `language.options.Options`."""
     presets: tuple[str, ...]
     """Names of globals that have a value before the program begins."""
+    is_tree: bool = False
+    """Whether the text is that of a graphical program with what stands beside it, as `tree_text` has it."""
 
 
 def compiled_job(job: Job, profile: Profile, arm: ArmFacts, ignored: frozenset[str]) -> CheckResult:
@@ -59,7 +64,11 @@ def compiled_job(job: Job, profile: Profile, arm: ArmFacts, ignored: frozenset[s
         arm: for which it is checked.
         ignored: codes of findings that are left out.
     """
-    source = SourceFile(job.name, job.text)
+    source = SourceFile(job.name, "" if job.is_tree else job.text)
+    if job.is_tree:
+        source, errors = source_of_tree(job.name, job.text)
+        if errors:
+            return CheckResult(None, errors, job.is_strict)
     options = Options(
         strict=job.is_strict, kind=job.kind, probes=job.probes, first_probe=job.first_probe, ignored=ignored
     )
@@ -70,6 +79,42 @@ def compiled_job(job: Job, profile: Profile, arm: ArmFacts, ignored: frozenset[s
     except ProgramError as error:
         return CheckResult(None, error.problems, job.is_strict)
     return CheckResult(unit, tuple(without_suppressed(unit.diagnostics, source, ignored)), False)
+
+
+def tree_text(files: Mapping[str, bytes]) -> str:
+    """Return a graphical program and what stands beside it as one text.
+
+    For each file it has a line with the numbers of characters of its name and of its text, then these. Bytes that are
+    not UTF-8 are lone surrogates.
+    """
+    texts = {name: data.decode("utf-8", "surrogateescape") for name, data in files.items()}
+    return "".join(f"{len(name)} {len(text)}\n{name}{text}" for name, text in texts.items())
+
+
+def source_of_tree(name: str, text: str) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
+    """Return the script of a graphical program, and what keeps it from running, each with its node.
+
+    Args:
+        name: of the task.
+        text: as `tree_text` has returned it.
+    """
+    # Imported late: few programs are graphical.
+    from elitescript.environment.task_files import script_of_data
+
+    files: dict[str, bytes] = {}
+    at = 0
+    while at < len(text):
+        start = text.index("\n", at) + 1
+        _, middle, end = accumulate(map(int, text[at:start].split()), initial=start)
+        files[text[start:middle]] = text[middle:end].encode("utf-8", "surrogateescape")
+        at = end
+    source, errors = script_of_data(name, files.get)
+    if not source.places:
+        return source, errors
+    return source, tuple(
+        replace(error, text=said("{node}: {text}", node=source.line_words(error.line), text=error.text))
+        for error in errors
+    )
 
 
 class Workshop(Protocol):
@@ -186,7 +231,7 @@ class LongTexts:
         for item in self._waiting:
             if tick - item.tick >= PROGRESS_TICKS and item.job.number > self._has_told:
                 self._has_told = item.job.number
-                lines = item.job.text.count("\n") + 1
+                lines = item.job.text.count("\n") + (not item.job.is_tree)
                 self._tell(f"{item.label} is being compiled: {lines:,} lines, {len(item.job.text):,} characters", False)
 
     def _count(self) -> None:

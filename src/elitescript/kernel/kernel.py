@@ -23,7 +23,17 @@ from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.parts import PopupWindow, RobotParts
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import OBSERVED, Change, DeviceNoted, Event, Popup, TaskStateChanged, Warned, event_of
+from elitescript.messages.events import (
+    OBSERVED,
+    Alarm,
+    Change,
+    DeviceNoted,
+    Event,
+    Popup,
+    TaskStateChanged,
+    Warned,
+    event_of,
+)
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import profile
@@ -35,6 +45,7 @@ from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import default_probe, witness
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.controller.views.snapshots import SnapshotBuilder
@@ -501,6 +512,8 @@ class Kernel:
     def _event(self, event: Event) -> None:
         if type(event) is Warned and self._is_ignored(event):
             return
+        if isinstance(event, Alarm | Warned) and event.line:
+            event = self._with_node(event)
         self._has_happened = True
         if type(event) in _IN_WINDOW:
             self.popup.take(event)
@@ -514,6 +527,23 @@ class Kernel:
         self._on_event(event)
         if self._debugging is not None and self._debugging.debugger is not None:
             self._debugging.debugger.event(event)
+
+    def _with_node(self, event: Alarm | Warned) -> Event:
+        """Return an event with the node of the graphical program that runs, to which its line belongs."""
+        source = self.host.source
+        if source is None or not source.places or not event.thread or event.thread.startswith(SECONDARY_THREAD):
+            return event
+        if "#" in event.thread:
+            return event  # of a text of a client, which does not run
+        node = source.place(event.line)
+        if not node:
+            return event
+        if isinstance(event, Alarm):
+            return event if "node" in event.details else replace(event, details={"node": node, **event.details})
+        # Reports of a run have its text, and name the node themselves.
+        if self._on_event != self._record:
+            return event
+        return replace(event, text=said("{node}: {text}", node=node, text=event.text))
 
     def _change(self, change: Change) -> None:
         self._has_happened = True

@@ -12,7 +12,15 @@ from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import ProgramError, ScriptError
-from elitescript.kernel.compiling import TEXTS_MAX, Job, LongTexts, Waiting, Workshop, compiled_job
+from elitescript.kernel.compiling import (
+    TEXTS_MAX,
+    Job,
+    LongTexts,
+    Waiting,
+    Workshop,
+    compiled_job,
+    source_of_tree,
+)
 from elitescript.kernel.debugging import Debugging
 from elitescript.kernel.unit_order import WAITING_MAX, UnitOrder
 from elitescript.language.compiler import CompiledUnit
@@ -239,6 +247,8 @@ class Programs:
         origin: str,
         take: Callable[[CompiledUnit | ProgramError], None],
         abandon: Callable[[str], None] = lambda why: None,
+        *,
+        is_tree: bool = False,
     ) -> bool:
         """Check and compile a text; what `check` finds goes to the log. A line runs at once, and is only compiled.
 
@@ -249,20 +259,34 @@ class Programs:
             origin: client that has sent it.
             take: gets the program, or why there is none: before this call returns, or in a later tick for a long text.
             abandon: called with the reason, after a line in the log, if that tick does not come.
+            is_tree: the text is that of a graphical program, as `kernel.compiling.tree_text` has returned it.
 
         Returns:
             Whether `take` was called.
         """
         # A debugger that may come numbers statements, whatever the text; splitting a long one takes time.
-        source = SourceFile(name, "" if isinstance(self._probe, Debugging) else text)
+        source = SourceFile(name, "" if is_tree or isinstance(self._probe, Debugging) else text)
+        if is_tree and self._probe is not None and not isinstance(self._probe, Debugging):
+            # What counts statements knows a program by its text.
+            source, _ = source_of_tree(name, text)
         options = probed(self._probe, Options(strict=self._is_strict, kind=kind), source)
         self._count_of_jobs += 1
         presets = tuple(self.presets)
-        job = Job(self._count_of_jobs, name, text, kind, self._is_strict, options.probes, options.first_probe, presets)
+        job = Job(
+            self._count_of_jobs,
+            name,
+            text,
+            kind,
+            self._is_strict,
+            options.probes,
+            options.first_probe,
+            presets,
+            is_tree,
+        )
         if self._long_texts is None or len(text) < LONG_TEXT:
             take(self._outcome(job, compiled_job(job, self._profile, self._arm, self._ignored)))
             return True
-        if (excess := excess_at_once(text)) is not None:
+        if not is_tree and (excess := excess_at_once(text)) is not None:
             take(self._outcome(job, CheckResult(None, (excess,), job.is_strict)))
             return True
         if self._long_texts.is_full:
@@ -283,7 +307,7 @@ class Programs:
             self._may_start,
             lambda result: take(_failure(result) if isinstance(result, str) else self._outcome(job, result)),
             abandon,
-            SymbolCount(text),
+            SymbolCount("" if is_tree else text),
         )
         self._long_texts.put(waiting)
         return False
@@ -308,7 +332,7 @@ class Programs:
             self._tell(checked.problems)
             return noted(self._probe, checked.unit)
         if self._is_new(job.text):
-            self._tell(checked.problems)
+            self._tell(checked.problems, place=checked.unit.source.place)
         self.reported = frozenset((problem.code, problem.line) for problem in checked.problems)
         return noted(self._probe, checked.unit)
 
@@ -366,7 +390,12 @@ class Programs:
         if kind != LINE:
             self._tell(problems[1:], kind)
 
-    def _tell(self, problems: Sequence[Diagnostic], kind: str | None = None) -> None:
+    def _tell(
+        self,
+        problems: Sequence[Diagnostic],
+        kind: str | None = None,
+        place: Callable[[int], str] = lambda line: "",
+    ) -> None:
         """Put findings into the log, in the words of `check`; errors of a secondary program as its first one.
 
         At most `PROBLEMS_MAX` are shown, of one kind of warning as many as a run shows, and equal ones once, with the
@@ -383,7 +412,7 @@ class Programs:
             if kind == SECONDARY and problem.is_error:
                 self._warn_secondary(said("SyntaxError: {text}", text=problem.text), problem.line)
             else:
-                self._controller.emit(_as_event(problem, self._controller.tick))
+                self._controller.emit(_as_event(problem, self._controller.tick, place(problem.line)))
         if more := len(problems) - shown:
             self._warn(
                 said(
@@ -431,10 +460,10 @@ class Programs:
         self._controller.emit(Alarm(tick, code, class_name, text, line, column, origin, source_line, details or {}))
 
 
-def _as_event(problem: Diagnostic, tick: int) -> Warned:
+def _as_event(problem: Diagnostic, tick: int, node: str) -> Warned:
     return Warned(
         tick,
-        problem.text,
+        said("{node}: {text}", node=node, text=problem.text) if node else problem.text,
         line=problem.line,
         code=problem.code,
         hint=problem.hint,

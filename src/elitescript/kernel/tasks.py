@@ -15,7 +15,7 @@ from typing import Final
 
 from elitescript.controller.controller import Controller
 from elitescript.errors import ProgramError, ScriptError
-from elitescript.kernel.compiling import PROGRESS_TICKS
+from elitescript.kernel.compiling import PROGRESS_TICKS, tree_text
 from elitescript.kernel.external_control import Fetch, sender_of
 from elitescript.kernel.programs import PRESETS_MAX, Programs
 from elitescript.language.compiler import CompiledUnit
@@ -252,26 +252,20 @@ class Tasks:
         with self._files.open(name, "rb", None, None) as file:
             return b"<EliTask" in bytes(file.read(_HEAD_BYTES))
 
-    def _script_of_tree(self, name: str) -> bytes:
-        """Return the script of a graphical program of the task folder.
-
-        Raises:
-            ProgramError: it has none.
-        """
+    def _text_of_tree(self, name: str) -> str:
+        """Return a graphical program of the task folder and its configuration, as they are compiled."""
         # Imported late: few tasks are trees.
-        from elitescript.environment.task_files import source_of_data
+        from elitescript.environment.task_files import files_beside
 
-        def read(path: str) -> bytes | None:
-            if self._files.kind(path) != "file" or self._files.size(path) > MAX_UNIT_BYTES:
-                return None
-            with self._files.open(path, "rb", None, None) as file:
-                return bytes(file.read(MAX_UNIT_BYTES))
+        files = {name: self._content(name)}
+        for path in files_beside(name, files[name]):
+            if self._files.kind(path) == "file" and self._files.size(path) <= MAX_UNIT_BYTES:
+                files[path] = self._content(path)
+        return tree_text(files)
 
-        source = source_of_data(name, read)
-        for note in source.notes:
-            text = said("{name}: {text}", name=name, text=note.text)
-            self._controller.emit(Warned(self._controller.tick, text, code=note.code, hint=note.hint))
-        return source.text.encode("utf-8")
+    def _content(self, name: str) -> bytes:
+        with self._files.open(name, "rb", None, None) as file:
+            return bytes(file.read(MAX_UNIT_BYTES))
 
     def _found(self, candidate: str) -> str:
         """Return the name of a program, whose suffix may be in other letters there; empty if there is none."""
@@ -321,11 +315,10 @@ class Tasks:
                 said("{name} is longer than {max_unit_bytes} bytes", name=name, max_unit_bytes=MAX_UNIT_BYTES)
             )
         if self._is_tree(name):
-            return self._start(name, self._script_of_tree(name), origin)
-        with self._files.open(name, "rb", None, None) as file:
-            return self._start(name, bytes(file.read(MAX_UNIT_BYTES)), origin)
+            return self._start(name, self._text_of_tree(name), origin, is_tree=True)
+        return self._start(name, SourceFile.from_bytes(name, self._content(name)).text, origin)
 
-    def _start(self, name: str, data: bytes, origin: str) -> Outcome | None:
+    def _start(self, name: str, text: str, origin: str, *, is_tree: bool = False) -> Outcome | None:
         """Start a program; return the outcome, None if it must be compiled first.
 
         Raises:
@@ -348,8 +341,7 @@ class Tasks:
                 self._making = None
                 making.answer(Refused(said("{why} before its program was compiled", why=why)))
 
-        text = SourceFile.from_bytes(name, data).text
-        if self._programs.compile(name, text, None, f"{origin}: {name}", take, abandon):
+        if self._programs.compile(name, text, None, f"{origin}: {name}", take, abandon, is_tree=is_tree):
             return self._begin(made[0])
         self._making = making
         return None
@@ -381,7 +373,11 @@ class Tasks:
             return Refused("another program has been started meanwhile")
         controller.safety.require("start_task")
         controller.power.require_ready()
-        return None if data is None else self._start(str(fetch.sender), data, fetch.origin)
+        return (
+            None
+            if data is None
+            else self._start(str(fetch.sender), SourceFile.from_bytes(str(fetch.sender), data).text, fetch.origin)
+        )
 
     def _set_variable(self, name: str, value: str) -> Outcome:
         if self._controller.task.is_running:

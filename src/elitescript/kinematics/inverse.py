@@ -136,7 +136,7 @@ def reason_unreachable(arm: Arm, T_base_flange: Transform) -> str:
     rho = sqrt(wx * wx + wy * wy)
     if rho < arm.d4 - REACH_TOLERANCE_M:
         return said(
-            "too near the base axis by {miss}: the wrist centre would be {rho} from it, at least {least} is possible",
+            "too near the base axis by {miss} (the wrist centre would be {rho} from it; {least} is the least)",
             miss=_metres(arm.d4 - rho),
             rho=_metres(rho),
             least=_metres(arm.d4),
@@ -155,15 +155,14 @@ def reason_unreachable(arm: Arm, T_base_flange: Transform) -> str:
     if cos(q3) > 0.0:
         reach = -(arm.a2 + arm.a3)
         return said(
-            "too far by {miss}: wrist joint 1 would be {reach} from the shoulder joint, at most {most} is possible",
+            "too far by {miss} (wrist joint 1 would be {reach} from the shoulder joint; the arm reaches {most})",
             miss=_metres(miss),
             reach=_metres(reach + miss),
             most=_metres(reach),
         )
     least = abs(arm.a2 - arm.a3)
     return said(
-        "folded too far by {miss}: wrist joint 1 would be {reach} from the shoulder joint, at "
-        "least {least} is possible",
+        "folded too far by {miss} (wrist joint 1 would be {reach} from the shoulder joint; {least} is the least)",
         miss=_metres(miss),
         reach=_metres(least - miss),
         least=_metres(least),

@@ -20,6 +20,7 @@ from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
 from elitescript.language.garbage import without_collection
 from elitescript.language.hash_order import shows_hash_order
 from elitescript.language.hooks import MAIN
+from elitescript.language.kept_units import KeptUnits
 from elitescript.language.limits import too_deep
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
@@ -77,6 +78,10 @@ class CompiledUnit:
         return self.probes.statements
 
 
+KEPT: Final[KeptUnits[CompiledUnit]] = KeptUnits()
+"""Units of texts that this process has compiled; a unit has no state."""
+
+
 @without_collection
 def compile_unit(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit:
     """Compile a text.
@@ -88,13 +93,27 @@ def compile_unit(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit
     return compile_parsed(parse(source, options))
 
 
-@without_collection
 def compile_task(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit:
     """Compile a text that is about to run, and report if nothing in it runs.
+
+    The same text with the same options gives the unit of the last time, if that is still kept: see `kept_units`.
 
     Raises:
         ProgramError: as `compile_unit`; in a strict run also a text in which nothing runs.
     """
+    if options.probes or source.notes or source.tree is not None:
+        # Numbers of probes belong to one robot; notes are about files beside the text, lines of a tree about its file.
+        return _compile_task(source, options)
+    key = (source.name, source.text, source.places, options)
+    unit = KEPT.get(key)
+    if unit is None:
+        unit = _compile_task(source, options)
+        KEPT.put(key, unit, len(source.text))
+    return unit
+
+
+@without_collection
+def _compile_task(source: SourceFile, options: Options) -> CompiledUnit:
     parsed = parse(source, options)
     problem = None
     if len(parsed.tree.body) > 1 and not parsed.has_errors:

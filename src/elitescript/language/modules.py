@@ -35,9 +35,11 @@ COPIED_NAMES: Final[dict[str, str]] = {
     "dataclasses": "FrozenInstanceError InitVar KW_ONLY MISSING asdict astuple dataclass field fields is_dataclass"
     " replace",
     "datetime": "MAXYEAR MINYEAR UTC date datetime time timedelta timezone tzinfo",
-    "enum": "Enum Flag IntEnum IntFlag StrEnum auto member nonmember unique",
+    "enum": "CONFORM CONTINUOUS EJECT Enum EnumCheck Flag FlagBoundary IntEnum IntFlag KEEP NAMED_FLAGS ReprEnum STRICT"
+    " StrEnum UNIQUE auto member nonmember property unique verify",
     "fractions": "Fraction",
-    "functools": "cache cached_property cmp_to_key lru_cache partial partialmethod reduce total_ordering",
+    "functools": "cache cached_property cmp_to_key lru_cache partial partialmethod reduce total_ordering update_wrapper"
+    " wraps",
     "json": "JSONDecodeError JSONDecoder JSONEncoder dump dumps load loads",
     "queue": "Empty Full LifoQueue PriorityQueue Queue SimpleQueue ShutDown",
     "statistics": "*",

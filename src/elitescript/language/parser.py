@@ -158,7 +158,7 @@ def syntax_tree(text: str) -> ast.Module:
     """Call Python's parser without its warnings on standard error."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        tree = compile(text, NO_FILE, "exec", ast.PyCF_ONLY_AST, dont_inherit=True)
+        tree = compile(text, NO_FILE, "exec", ast.PyCF_ONLY_AST, dont_inherit=True, optimize=0)
     assert isinstance(tree, ast.Module)
     return tree
 
@@ -222,8 +222,8 @@ class _TextReader:
         self.problems = problems
         self.pieces: Pieces | None = None
         if translation.positions.is_identity:
-            # Nodes that are shared must not be changed.
-            self.pieces = Pieces() if pieces is None or translation.marks else pieces
+            # Line marks of nodes that are shared are what they were before.
+            self.pieces = Pieces() if pieces is None else pieces
         self.complete = True
         self.hidden: dict[int, int] = {}
         self.blamed: set[int] | None = None

@@ -106,7 +106,7 @@ _SYNTAX: Final = {
     "AsyncFor": ("`async for`", "start_thread() runs functions side by side"),
     "AsyncWith": ("`async with`", "start_thread() runs functions side by side"),
     "Await": ("`await`", "start_thread() runs functions side by side"),
-    "TryStar": ("`except*`", "write `except`"),
+    "TryStar": ("`except*`", "write `except`: a program raises one exception at a time, there are no groups of them"),
     "TypeAlias": ("the `type` statement", "assign the type to a name"),
     "FunctionDef": ("a type parameter", "leave the brackets behind the name out"),
     "ClassDef": ("a type parameter", "leave the brackets behind the name out"),

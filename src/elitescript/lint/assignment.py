@@ -9,7 +9,7 @@ from typing import Final
 
 from elitescript.language.nodes import children
 from elitescript.language.scopes import Binding, Scope
-from elitescript.lint.flow import Flow
+from elitescript.lint.flow import Flow, takes_all
 from elitescript.lint.placing import conditions
 from elitescript.lint.program import AnalysedProgram
 from elitescript.records import NamedTuple
@@ -20,6 +20,9 @@ _FOREIGN: Final = frozenset(("exec", "eval", "interpreter_mode", "globals", "loc
 """Functions after which other texts may give variables a value."""
 _DEEPEST: Final = 60
 
+Branch = ast.If | ast.For | ast.While | ast.Match | ast.Try
+"""A statement of which some ways give a variable a value, and others do not."""
+
 
 class Unassigned(NamedTuple):
     """A variable that is read where it may have no value.
@@ -27,12 +30,12 @@ class Unassigned(NamedTuple):
     Attributes:
         node: where it is read.
         scope: the function.
-        branch: the `if` of which some branches give it a value; None where nothing before it does.
+        branch: the statement of which some ways give it a value; None where nothing before it does.
     """
 
     node: ast.Name
     scope: Scope
-    branch: ast.If | None
+    branch: Branch | None
 
 
 class Assignments:
@@ -107,7 +110,7 @@ class _Follower:
         self.sure: set[str] = set()
         self.log: list[str] = []
         self.seen: set[str] = set()
-        self.branches: dict[str, ast.If | None] = {}
+        self.branches: dict[str, Branch | None] = {}
         self.loops: list[tuple[int, list[set[str]]]] = []
         self.spans: list[tuple[int, int]] = []
         self.found: dict[str, Unassigned] = {}
@@ -128,7 +131,7 @@ class _Follower:
         self.sure.difference_update(added)
         return added
 
-    def keep(self, ends: Sequence[list[str] | set[str]], branch: ast.If | None) -> None:
+    def keep(self, ends: Sequence[list[str] | set[str]], branch: Branch | None) -> None:
         """Go on with what all branches have given a value."""
         if not ends:
             return
@@ -245,11 +248,7 @@ class _Follower:
             return self.block(node.body, depth)
         elif isinstance(node, ast.Match):
             self.read(node.subject)
-            mark = len(self.log)
-            for case in node.cases:
-                self.read(case.guard)
-                self.block(case.body, depth)
-                self.keep([self.take_back(mark), []], None)
+            return self.choice(node, depth)
         elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             self.bind(node.name)
         elif isinstance(node, (ast.Import, ast.ImportFrom)):
@@ -284,6 +283,20 @@ class _Follower:
         self.keep(ends, node)
         return bool(ends)
 
+    def choice(self, node: ast.Match, depth: int) -> bool:
+        mark = len(self.log)
+        ends: list[list[str]] = []
+        for case in node.cases:
+            self.read(case.guard)
+            is_reached = self.block(case.body, depth)
+            added = self.take_back(mark)
+            if is_reached:
+                ends.append(added)
+        if not any(takes_all(case) for case in node.cases):
+            ends.append([])
+        self.keep(ends, node)
+        return bool(ends)
+
     def loop(self, node: ast.While | ast.For, depth: int) -> bool:
         is_endless = isinstance(node, ast.While) and isinstance(node.test, ast.Constant) and bool(node.test.value)
         self.read(node.iter if isinstance(node, ast.For) else node.test)
@@ -300,7 +313,8 @@ class _Follower:
         if is_endless:
             self.keep(breaks, None)
             return bool(breaks)
-        self.keep([added, []], None)
+        # What follows an `else` of a loop may be another case than no turn at all.
+        self.keep([added, []], None if node.orelse else node)
         self.block(node.orelse, depth)
         return True
 
@@ -311,6 +325,7 @@ class _Follower:
         body = self.take_back(mark)
         if is_reached:
             ends.append(body)
+        before = {name: self.branches[name] for name in body if name in self.branches}
         for name in body:
             self.branches[name] = None
         for handler in node.handlers:
@@ -318,8 +333,11 @@ class _Follower:
             added = self.take_back(mark)
             if is_reached:
                 ends.append(added)
+        for name in body:
+            self.branches.pop(name, None)
+        self.branches |= before
         if ends:
-            self.keep(ends, None)
+            self.keep(ends, node)
         return self.block(node.finalbody, depth) and bool(ends)
 
 

@@ -32,7 +32,7 @@ from elitescript.values.description import (
 )
 from elitescript.values.operators import are_of_other_kinds, compare, is_equal, truth
 from elitescript.values.results import POSITION
-from elitescript.values.words import words
+from elitescript.values.words import phrase
 
 
 def never_equal(program: AnalysedProgram) -> Iterator[Finding]:
@@ -194,7 +194,7 @@ def _analog(program: AnalysedProgram, node: ast.Compare) -> Finding | None:
 
 
 def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
-    return said("{expression} is {words}", expression=shown_source(program, node), words=words(value))
+    return said("{expression} is {words}", expression=shown_source(program, node), words=phrase(value))
 
 
 def _told(program: AnalysedProgram, node: ast.Compare, left: Value, right: Value) -> str:
@@ -206,7 +206,7 @@ def _told(program: AnalysedProgram, node: ast.Compare, left: Value, right: Value
     is_equality = isinstance(node.ops[0], (ast.Eq, ast.Is))
     what = shown_source(program, other)
     if not isinstance(other, ast.Constant):
-        what = said("{what}, which is {words}", what=what, words=words(compared))
+        what = said("{what}, which is {words}", what=what, words=phrase(compared))
     return said(
         "{operand}: never equal to {what}" if is_equality else "{operand}: always different from {what}",
         operand=_said(program, one, value),
@@ -229,6 +229,8 @@ def always_true(program: AnalysedProgram) -> Iterator[Finding]:
     """Report conditions that are no question."""
     for choice in program.nodes(ast.BoolOp):
         yield from _alternatives(program, choice)
+    for chain in program.nodes(ast.Compare):
+        yield from _bits_between(program, chain)
     conditions: list[ast.expr] = [statement.test for statement in program.nodes(ast.If)]
     conditions += [statement.test for statement in program.nodes(ast.While)]
     conditions += [expression.test for expression in program.nodes(ast.IfExp)]
@@ -242,6 +244,20 @@ def always_true(program: AnalysedProgram) -> Iterator[Finding]:
             yield from _position_as_truth(program, node)
         else:
             yield from _truth(program, node)
+
+
+def _bits_between(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding]:
+    """Yield `1 < x & x < 10`, where `&` binds closer than the comparisons beside it."""
+    for part in node.comparators[:-1]:
+        if isinstance(part, ast.BinOp) and isinstance(part.op, (ast.BitAnd, ast.BitOr)):
+            sign, word = ("&", "and") if isinstance(part.op, ast.BitAnd) else ("|", "or")
+            text = said(
+                "`{sign}` binds closer than the comparisons: {expression} is one number between them",
+                sign=sign,
+                expression=shown_source(program, part),
+            )
+            yield Finding(node, text, said("write `{word}` between conditions", word=word))
+            return
 
 
 def _alternatives(program: AnalysedProgram, node: ast.BoolOp) -> Iterator[Finding]:

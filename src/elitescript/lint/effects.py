@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 import ast
+from typing import Final
 
 from elitescript.language.builtin_names import PURE_BUILTINS
 from elitescript.language.nodes import children
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
+
+_PURE_METHODS: Final = frozenset(
+    """
+    capitalize center copy count decode encode endswith find format get index isalnum isalpha isdigit islower isspace
+    isupper items join keys ljust lower lstrip partition replace rfind rindex rjust rpartition rsplit rstrip split
+    splitlines startswith strip swapcase title upper values zfill
+    """.split()  # noqa: SIM905
+)
+"""Methods of texts, lists and dicts that only give a value."""
 
 
 def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
@@ -15,6 +25,13 @@ def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
     function = call.func
     if isinstance(function, ast.Attribute):
         base = function.value
+        if function.attr in _PURE_METHODS:
+            # Imported late: short programs do without values.
+            from elitescript.values.description import BYTES, DICT, LIST, TEXT, TUPLE
+
+            kinds = program.values.of(base).kinds
+            if kinds and not kinds & ~(TEXT | BYTES | LIST | TUPLE | DICT):
+                return True
         scope = program.symbols.scope_of(call)
         return isinstance(base, ast.Name) and program.symbols.imported(base.id, scope) == "math"
     if not isinstance(function, ast.Name):

@@ -176,12 +176,11 @@ class WrittenProgram:
 
 def _known_before(source: SourceFile, arm: ArmFacts | None) -> list[Diagnostic]:
     """Return what is known of a text besides what stands in it: of the tree from which it was generated."""
-    if not source.arm or arm is None or source.arm.lower() == arm.name.lower():
+    made_for = "" if source.tree is None else source.tree.arm
+    if not made_for or arm is None or made_for.lower() == arm.name.lower():
         return [*source.notes]
-    text = said(
-        "the graphical program was made for a {made_for}, and this is a {arm}", made_for=source.arm, arm=arm.name
-    )
-    hint = said("--robot {made_for} runs it on that arm", made_for=source.arm)
+    text = said("the graphical program was made for a {made_for}, and this is a {arm}", made_for=made_for, arm=arm.name)
+    hint = said("--robot {made_for} runs it on that arm", made_for=made_for)
     return [diagnostic(OTHER_ARM, 1, 1, text, hint=hint), *source.notes]
 
 
@@ -205,7 +204,12 @@ def _findings(program: AnalysedProgram, rules: Iterable[Rule], known: dict[str, 
     for rule in rules:
         findings = known.get(rule.code)
         if findings is None:
-            findings = known[rule.code] = list(rule.check(program))
+            try:
+                findings = list(rule.check(program))
+            except RecursionError:
+                # Expressions nested deeper than it can follow: it says nothing of such a text.
+                findings = []
+            known[rule.code] = findings
         lines = {program.span(finding.where).line for finding in findings if isinstance(finding.where, ast.AST)}
         for finding in findings:
             passed = _passed(finding, program)

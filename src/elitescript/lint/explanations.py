@@ -658,12 +658,6 @@ _TEXTS: Final[dict[str, str]] = {
 
             modbus_set_output_register("beat", n % 256)    # N286 in every tick; modbus_set_signal_update_frequency
         """,
-    "N287": """
-        A negative value goes into a register as its 16 bits: -5 as 65531. A device with signed registers reads -5, and
-        `modbus_get_signal_status` gives 65531.
-
-            modbus_set_output_register("offset", -5)       # N287
-        """,
     "W290": """
         A target of `servoj` came after the arm had come to rest at the one before, three times at one line. The arm
         stops and starts at each target. A new target must come when the time `t` of the one before is over.

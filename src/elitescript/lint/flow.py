@@ -44,7 +44,7 @@ class Flow:
         if isinstance(node, ast.With):
             return self.reaches_end(node.body, depth)
         if isinstance(node, ast.Match):
-            return not any(_takes_all(case) for case in node.cases) or any(
+            return not any(takes_all(case) for case in node.cases) or any(
                 self.reaches_end(case.body, depth) for case in node.cases
             )
         if isinstance(node, ast.Assert):
@@ -114,6 +114,6 @@ def _has_break(body: list[ast.stmt]) -> bool:
     return False
 
 
-def _takes_all(case: ast.match_case) -> bool:
+def takes_all(case: ast.match_case) -> bool:
     """Return whether a case of a `match` takes every value."""
     return case.guard is None and isinstance(case.pattern, ast.MatchAs) and case.pattern.pattern is None

@@ -10,7 +10,16 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.definition.plausibility import JUDGES, TAKEN_FOR_EACH_OTHER, ArmFacts, Doubt, mistaken
+from elitescript.commands.definition.plausibility import (
+    COMPARED,
+    JUDGES,
+    OF_ANGLES,
+    TAKEN_FOR_EACH_OTHER,
+    ArmFacts,
+    Doubt,
+    mistaken,
+)
+from elitescript.commands.definition.quantities import Anything
 from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
@@ -154,6 +163,13 @@ class AnalysedProgram:
 
         What was computed of a program knows the program, so without this it would stay until the collector comes.
         """
+        if "values" in self.__dict__:
+            self.values.release()
+        for scope in self.symbols.scopes:
+            scope.children.clear()
+            scope.reads.clear()
+            scope.bindings.clear()
+            scope.calls.clear()
         self.__dict__.clear()
 
     def stop_if_outdated(self) -> None:
@@ -171,7 +187,7 @@ class AnalysedProgram:
         # Short programs do without: everything is written where it is used.
         from elitescript.values.program import Values
 
-        return Values(self.symbols, self.presets, self.stop_if_outdated, self._memory)
+        return Values(self.symbols, self.presets, self.stop_if_outdated, self._memory, self.profile)
 
     @cached_property
     def constants(self) -> Constants:
@@ -261,12 +277,13 @@ class AnalysedProgram:
         """Uses of names that nothing defines, in what could be read."""
         if any(alias.name == "*" for node in self.nodes(ast.ImportFrom) for alias in node.names):
             return ()
+        unset = () if self.source.tree is None else self.source.tree.unset
         return tuple(
             use
             for use in self.outside
             if not (use.name in KNOWN or use.name in self.unread_names or is_dunder(use.name))
             and use.name not in self.presets
-            and use.name not in self.source.unset
+            and use.name not in unset
             and CATALOGUE.get(use.name) is None
         )
 
@@ -402,6 +419,8 @@ class AnalysedProgram:
                 # The program expects it.
                 continue
             for param, node in arguments.given:
+                if type(param.quantity) is Anything:
+                    continue
                 # A placeholder stands there in place of the author's text.
                 if mistakes:
                     span = self.span(node)
@@ -487,7 +506,7 @@ class AnalysedProgram:
     def doubts(self) -> tuple[Doubted, ...]:
         """The arguments that commands accept, but that are hardly meant; see `commands.definition.plausibility`."""
         refused = {refusal.node for refusal in self.refusals}
-        found = []
+        found: list[Doubted] = []
         accepted: set[tuple[int, type, Any]] = set()
         for called, arguments in self.judged_calls:
             for param, node in arguments.given:
@@ -501,8 +520,17 @@ class AnalysedProgram:
                 is_transform = not meaning and param.quantity.unit == _POSE_UNIT
                 if is_transform:
                     meaning = "pose"
-                if not meaning or node in refused:
-                    if literal is not None and not meaning:
+                if node in refused:
+                    continue
+                others: list[Doubt] = []
+                if param.quantity.unit in COMPARED and (not _is_written(node) or called.command.name in OF_ANGLES):
+                    # Imported late: short programs do without values.
+                    from elitescript.lint.quantity_doubts import quantity_doubts
+
+                    others += quantity_doubts(self.values, called.command, param, node)
+                if not meaning:
+                    found += [self._doubted(called, param, node, doubt) for doubt in others]
+                    if literal is not None and not others:
                         accepted.add(literal)
                     continue
                 value = self.constants.bounds(node, called.scope)
@@ -512,14 +540,15 @@ class AnalysedProgram:
                 if meaning in TAKEN_FOR_EACH_OTHER and not isinstance(node, (ast.List, ast.Tuple)):
                     other = mistaken(meaning, self.values.of(node).role)
                     reported += [] if other is None else [other]
-                if literal is not None and is_judged and not reported:
+                if literal is not None and is_judged and not reported and not others:
                     accepted.add(literal)
-                for doubt in reported:
-                    command, argument = called.command.name, param.name
-                    text = said("{command}: {argument}{doubt}", command=command, argument=argument, doubt=doubt.text)
-                    doubt = doubt._replace(text=text)
-                    found.append(Doubted(element(node, doubt.element), doubt, param, node, called.scope))
+                found += [self._doubted(called, param, node, doubt) for doubt in (*reported, *others)]
         return tuple(found)
+
+    def _doubted(self, called: CommandCall | PassedCall, param: Param, node: ast.expr, doubt: Doubt) -> Doubted:
+        command, argument = called.command.name, param.name
+        text = said("{command}: {argument}{doubt}", command=command, argument=argument, doubt=doubt.text)
+        return Doubted(element(node, doubt.element), doubt._replace(text=text), param, node, called.scope)
 
     @cached_property
     def list_uses(self) -> ListUses:
@@ -559,6 +588,12 @@ class AnalysedProgram:
             for node in self.nodes(kind)
             for part in ast.iter_child_nodes(node)
         )
+
+
+def _is_written(node: ast.expr) -> bool:
+    """Return whether a number, or a list of numbers, is written out where it is used."""
+    parts = node.elts if isinstance(node, (ast.List, ast.Tuple)) else (node,)
+    return all(isinstance(part.operand if isinstance(part, ast.UnaryOp) else part, ast.Constant) for part in parts)
 
 
 def element(node: ast.expr, index: int | None) -> ast.expr:

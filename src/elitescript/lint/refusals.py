@@ -88,7 +88,11 @@ def refuse_description(param: Param, value: Value, text: str) -> ScriptError | N
         # How many elements there are can be wrong, whatever they are.
         return None if items is None else refuse(param, [Unknown()] * len(items))
     kinds = [name for name, bit in _SAMPLES.items() if value.kinds & bit]
-    if not kinds or value.kinds & ~sum(_SAMPLES.values()):
+    known = sum(_SAMPLES.values())
+    made = _made_by(value)
+    if made:
+        kinds, known = [*kinds, made], known | _OBJECT
+    if not kinds or value.kinds & ~known:
         return None
     errors = []
     for name in kinds:
@@ -101,11 +105,29 @@ def refuse_description(param: Param, value: Value, text: str) -> ScriptError | N
     return None
 
 
-_SAMPLES: Final = {"str": 8, "bytes": 16, "bool": 1, "int": 2, "float": 4, "None": 32, "dict": 256, "function": 2048}
+def _made_by(value: Value) -> str:
+    """Return the class of Python's library of which a value is an object, of those that are asked about; else empty."""
+    kinds = {getattr(ref, "kind", None) for ref in value.refs or ()} if value.kinds & _OBJECT else set()
+    return "bytearray" if kinds == {bytearray} else ""
+
+
+_SAMPLES: Final = {
+    "str": 8,
+    "bytes": 16,
+    "bool": 1,
+    "int": 2,
+    "float": 4,
+    "None": 32,
+    "dict": 256,
+    "set": 512,
+    "range": 1024,
+    "function": 2048,
+}
 """Kinds of which one value is refused for its type if all are; see `values.description`."""
 
 
-_PLAIN: Final[dict[str, Any]] = {"bool": True, "None": None, "dict": {}}
+_OBJECT: Final = 4096
+_PLAIN: Final[dict[str, Any]] = {"bool": True, "None": None, "dict": {}, "range": range(1)}
 
 
 def _sample(name: str, text: str) -> Any:
@@ -115,6 +137,8 @@ def _sample(name: str, text: str) -> Any:
         "bytes": (bytes, b"x"),
         "int": (int, 1),
         "float": (float, 1.0),
+        "set": (set, ()),
+        "bytearray": (bytearray, b"x"),
     }
     if name == "function":
         return type(name, (), {"__repr__": lambda self: text, "__call__": lambda self: None})()

@@ -121,15 +121,55 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
     return f"`{text if len(text) <= _SHOWN else text[: _SHOWN - 3] + '...'}`"
 
 
+_CHANGES: Final = ("] ", "]=", "]+", "]-", "]*", "]/", ".append", ".insert", ".extend", ".sort", ".reverse", ".pop")
+"""Of a text that changes a list."""
+
+_FAILING: Final = (
+    *("float(", "int(", "chr(", "ord(", "min(", "max(", "sqrt(", "log", "acos(", "asin(", "pow(", "norm", "list"),
+    *("to_num", "str_", "bin", "pose_", "interpolate", "rpy", "rotvec"),
+)
+"""Functions and commands that depend on their arguments alone, and refuse some."""
+_NOTHING: Final = (
+    *(".append(", ".clear(", ".extend(", ".insert(", ".remove(", ".reverse(", ".sort("),
+    *("= set_", "= move", "= servo", "= speed", "= stop", "= sleep", "= sync", "= write_", "= textmsg", "= popup"),
+)
+"""Of a text with the result of a call that gives none."""
+
 _WORDS: Final[dict[str, tuple[str, ...]]] = {
-    "always_true": ("if", "while", " or "),
+    "always_true": ("if", "while", " or ", "&", "|"),
+    "analog_fraction": ("set_standard_analog_out",),
+    "blend_too_long": ("move",),
+    "busy_loop": ("while",),
+    "called_for_thread": ("start_thread",),
+    "duplicate_function": ("def", "sec", "thread"),
+    "forbidden_in_secondary": ("sec", "thread"),
+    "mirrored_address": ("write_port_",),
+    "missing_global": ("global",),
+    "missing_return": ("return",),
+    "negative_radius": ("move",),
+    "payload_too_heavy": ("set_payload",),
+    "poll_in_secondary": ("sec", "thread"),
+    "speed_in_other_units": ("move", "speed", "stop"),
+    "unassigned_global": ("global",),
+    "unavailable_module": ("import",),
+    "unreachable_target": ("move", "servoj"),
     "joined_lists": ("+", "*"),
     "measured_exactly": ("==", "!=", " in "),
     "never_equal": ("=", "<", ">", " is "),
     "not_a_function": ("=", "for ", "as "),
     "time_in_milliseconds": ("time", "t=", "read", "move", "servoj", "speed", "modbus", "watchdog", "watch"),
-    "assigned_in_one_branch": ("if",),
-    "changed_alias": ("=",),
+    "changed_while_gone_through": (".append", ".clear", ".extend", ".insert", ".pop", ".remove"),
+    "failing_call": _FAILING,
+    "negative_in_register": ("modbus_set_output_register", "write_port_register"),
+    "kept_lock": ("acquire",),
+    "no_result": _NOTHING,
+    "other_quantity": ("socket_read_", "tcp_pose", "joint_positions", "_kin("),
+    "power_sign": ("^",),
+    "uncalled_function": (" def ", "\tdef "),
+    "unfilled_text": ("%", "{"),
+    "assigned_in_one_branch": ("if", "for", "while", "try", "match"),
+    "changed_alias": _CHANGES,
+    "list_in_several_places": _CHANGES,
     "channel_not_open": ("socket_open",),
     "channel_of_another_server": ("socket_open",),
     "encoder_not_set_up": ("track_conveyor_",),
@@ -142,7 +182,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "long_sleep": ("sleep",),
     "misspelt_variable": ("=",),
     "modbus_signal": ("modbus_add_",),
-    "no_value_yet": ("=",),
+    "no_value_yet": ("=", " def ", "\tdef "),
     "number_too_large": ("modbus_set_output_register", "socket_send_byte", "set_", "write_"),
     "output_behind_blend": ("_out", "set_tool_digital", "write_"),
     "per_cent": ("interpolate_pose",),
@@ -154,7 +194,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "tool_pin_input": ("set_tool_digital_io_config",),
     "unasked_reading": ("socket_read_",),
     "unfit_address": ("socket_open", "modbus_"),
-    "wrong_operands": (*"+-*/%<>[", "len", "range", "for "),
+    "wrong_operands": (*"+-*/%<>[^&|.", "int(", "float(", "sum(", "len", "range", "for "),
 }
 """Words of which a text has at least one where a rule can find anything, by file: other texts do not load it."""
 

@@ -25,9 +25,9 @@ from elitescript.lsp.connection import RequestFailed
 from elitescript.lsp.run_data import Outcome, decoded
 from elitescript.lsp.session import Session
 from elitescript.lsp.settings import ClientSettings
-from elitescript.lsp.texts import path_of
+from elitescript.lsp.texts import is_tree, path_of
 from elitescript.outputs.writing import write_file
-from elitescript.paths import is_program_name
+from elitescript.paths import is_program_name, is_task_name
 from elitescript.records import replace
 from elitescript.untrusted.json_text import json_value
 
@@ -77,7 +77,7 @@ class BackgroundRuns:
     def text_changed(self, uri: str) -> None:
         """End the run of an older text, and run the new one when it is quiet."""
         self._stop(uri)
-        if self._session.texts.settings(uri).client.runs_programs:
+        if self._session.texts.settings(uri).client.runs_programs and not is_task_name(uri):
             self._timers[uri] = asyncio.get_running_loop().call_later(QUIET_S, self._begin, uri)
 
     def settings_changed(self) -> None:
@@ -166,6 +166,10 @@ class BackgroundRuns:
     async def _shown(self, uri: str, document: Document, wall_s: float, *, with_page: bool = False) -> Outcome:
         """Run a text, and show that it runs if that takes a while."""
         settings = self._session.texts.settings(uri).client
+        if is_tree(document):
+            from elitescript.lsp import trees
+
+            document = trees.script_of(document)
         request = request_for(uri, document, settings, with_page=with_page)
         run: asyncio.Task[Outcome] = self._session.begin(run_in_process(request, wall_s))
         self._under_way[run] = uri

@@ -8,6 +8,9 @@ from typing import Any, Final
 from lsprotocol import types
 
 from elitescript.assist.diagnostics import Tag
+from elitescript.assist.document import Document
+from elitescript.assist.generated import refusal, task_of
+from elitescript.lsp.connection import RequestFailed
 from elitescript.records import NamedTuple
 
 
@@ -32,6 +35,16 @@ TAGS: Final = {
     Tag.UNNECESSARY: types.DiagnosticTag.Unnecessary,
     Tag.DEPRECATED: types.DiagnosticTag.Deprecated,
 }
+
+
+def refuse_generated(document: Document) -> None:
+    """Refuse what edits a text, or prepares that, if it was generated from a graphical program.
+
+    Raises:
+        RequestFailed: it was; says where its source is.
+    """
+    if task := task_of(document.name):
+        raise RequestFailed(refusal(task))
 
 
 def markup(text: str) -> types.MarkupContent:

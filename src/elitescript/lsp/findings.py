@@ -26,7 +26,9 @@ from elitescript.lint.program import Span
 from elitescript.lsp.feature import TAGS, Feature
 from elitescript.lsp.positions import Positions
 from elitescript.lsp.session import LastFindings, Session
+from elitescript.lsp.texts import is_tree
 from elitescript.records import NamedTuple
+from elitescript.said import parts_of
 
 SOURCE: Final = "elitescript"
 """Name of the tool beside each finding."""
@@ -75,6 +77,7 @@ def shown(problem: Problem, positions: Positions, uri: str, *, has_related: bool
         source=SOURCE,
         tags=[TAGS[tag] for tag in problem.tags] or None,
         related_information=related if has_related and related else None,
+        data={**parts_of(found.text), **parts_of(found.hint, "hint_")},
     )
 
 
@@ -97,6 +100,7 @@ def of_last_run(last: LastRun, positions: Positions) -> Iterator[types.Diagnosti
             positions.range(Span(line, begin, line, max(begin, len(text.rstrip())) + 1)),
             f"{when}: {found}{hint}",
             severity=_SEVERITIES[Severity(found.severity)] if is_same else types.DiagnosticSeverity.Information,
+            data={**parts_of(found.text), **parts_of(found.hint, "hint_")},
             code=found.code or None,
             source=RUN_SOURCE,
         )
@@ -222,6 +226,10 @@ def _found(
     before: LastFindings | None,
     are_all: bool,
 ) -> Found:
+    if is_tree(document):
+        from elitescript.lsp import trees
+
+        return Found(trees.findings_of(session, document, SOURCE, are_all=are_all), (), are_all)
     has_related = any(map(session.client.has, _RELATED))
     positions = session.positions(document)
     problems: Sequence[Problem] = diagnostics(document) if are_all else quick_diagnostics(document)

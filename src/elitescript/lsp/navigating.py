@@ -17,7 +17,7 @@ from elitescript.assist.links import FileKind
 from elitescript.assist.names import Access
 from elitescript.assist.outline import Symbol, SymbolKind
 from elitescript.lint.program import Span
-from elitescript.lsp.feature import Feature
+from elitescript.lsp.feature import Feature, refuse_generated
 from elitescript.lsp.positions import Positions
 from elitescript.lsp.session import Session
 from elitescript.lsp.texts import path_of
@@ -52,6 +52,7 @@ def _definition(
 
 
 def _references(session: Session, document: Document, params: types.ReferenceParams) -> list[types.Location]:
+    refuse_generated(document)
     positions = session.positions(document)
     found = references.references(document, *positions.place(params.position), params.context.include_declaration)
     return [types.Location(params.text_document.uri, positions.range(reference.span)) for reference in found]

@@ -20,6 +20,7 @@ from elitescript.lsp.feature import Feature
 from elitescript.lsp.findings import Findings
 from elitescript.lsp.session import Session
 from elitescript.lsp.settings import SECTION
+from elitescript.lsp.texts import is_tree
 from elitescript.paths import PROGRAM_SUFFIX, is_program_name
 
 FEATURES: Final[dict[str, Feature]] = {
@@ -67,7 +68,7 @@ class Server(Session):
             types.WINDOW_WORK_DONE_PROGRESS_CANCEL: self._progress_cancelled,
         }
         for method, feature in FEATURES.items():
-            answer = partial(_answer, self, feature)
+            answer = partial(_answer, self, method, feature)
             if feature.is_slow:
                 connection.slow[method] = answer
             connection.fm.feature(method, feature.options)(answer)
@@ -216,7 +217,7 @@ class Server(Session):
         self.runs.settings_changed()
 
 
-def _answer(session: Session, feature: Feature, document: Document | None, params: Any) -> Any:
+def _answer(session: Session, method: str, feature: Feature, document: Document | None, params: Any) -> Any:
     """Answer a request.
 
     Raises:
@@ -227,4 +228,9 @@ def _answer(session: Session, feature: Feature, document: Document | None, param
     if document is None and named is not None:
         error = JsonRpcContentModified if feature.may_be_late else JsonRpcInvalidParams
         raise error(f"{named.uri} is not open")
+    if document is not None and is_tree(document):
+        # Few texts are trees, and what reads one takes time to import.
+        from elitescript.lsp import trees
+
+        return trees.answer(session, method, feature, document, params)
     return feature.answer(session, document, params)

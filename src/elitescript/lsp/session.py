@@ -138,6 +138,8 @@ class Session(LanguageServer):
         """Give up what the thread of slow requests finds in a version of a text that is open no more."""
         if (twin := self._twins.get(document)) is not None:
             twin.is_outdated = True
+            # Behind what the thread does with it by now.
+            self._thread.submit(twin.release)
 
     def twins(self) -> dict[str, Document]:
         """Return the open texts for the thread of slow requests, by URI."""

@@ -13,6 +13,7 @@ from elitescript.assist.document import Document, Settings
 from elitescript.language.diagnostics import Edit
 from elitescript.lsp.positions import Positions
 from elitescript.lsp.settings import ClientSettings, document_settings, read_settings
+from elitescript.paths import is_task_name
 from elitescript.records import NamedTuple
 
 _ALL: Final = ""
@@ -151,6 +152,11 @@ def path_of(uri: str) -> Path | None:
         return None
     path = to_fs_path(uri)
     return Path(path) if path else None
+
+
+def is_tree(document: Document) -> bool:
+    """Return whether a text is the file of a graphical program."""
+    return is_task_name(document.name)
 
 
 def name_of(uri: str) -> str:

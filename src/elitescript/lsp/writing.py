@@ -13,7 +13,7 @@ from elitescript.assist.diagnostics import Problem
 from elitescript.assist.document import Document
 from elitescript.language.diagnostics import Edit
 from elitescript.lsp.connection import RequestFailed
-from elitescript.lsp.feature import Feature
+from elitescript.lsp.feature import Feature, refuse_generated
 from elitescript.lsp.findings import shown
 from elitescript.lsp.session import Session
 
@@ -23,6 +23,7 @@ from elitescript.lsp.session import Session
 def _prepare_rename(
     session: Session, document: Document, params: types.PrepareRenameParams
 ) -> types.PrepareRenamePlaceholder | None:
+    refuse_generated(document)
     positions = session.positions(document)
     found = renaming.prepare_rename(document, *positions.place(params.position))
     if found is None:
@@ -33,6 +34,7 @@ def _prepare_rename(
 
 
 def _rename(session: Session, document: Document, params: types.RenameParams) -> types.WorkspaceEdit:
+    refuse_generated(document)
     place = session.positions(document).place(params.position)
     found = renaming.rename(document, *place, params.new_name)
     if found.refusal:
@@ -53,6 +55,7 @@ def _workspace_edit(session: Session, uri: str, document: Document, edits: Itera
 
 
 def _formatting(session: Session, document: Document, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+    refuse_generated(document)
     positions = session.positions(document)
     return [positions.text_edit(edit) for edit in formatting.format_edits(document)]
 

@@ -1,4 +1,7 @@
-"""The form of every answer. Their JSON schemas are made of these."""
+"""The form of every answer. Their JSON schemas are made of these.
+
+`node` stands beside the line of a graphical program: its node, as people say it.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,7 @@ class Problem(TypedDict):
     severity: str
     code: str
     line: int
+    node: NotRequired[str]
     column: int
     text: str
     hint: str
@@ -29,6 +33,7 @@ class Found(TypedDict):
     severity: str
     """`error`, `warning` or `note`; a note is what a sound program may have too."""
     line: int
+    node: NotRequired[str]
     column: int
     text: str
     hint: str
@@ -62,6 +67,7 @@ class Move(TypedDict):
     end_s: float
     kind: str
     line: int
+    node: NotRequired[str]
 
 
 class Thread(TypedDict):
@@ -69,6 +75,7 @@ class Thread(TypedDict):
 
     name: str
     line: int
+    node: NotRequired[str]
     doing: str
 
 
@@ -107,6 +114,7 @@ class Row(TypedDict):
 
     t: float
     line: int
+    node: NotRequired[str]
     joints: Six
     joint_speeds: Six
     tcp_pose: Six
@@ -149,6 +157,7 @@ class DebugThread(TypedDict):
     id: int
     name: str
     line: int
+    node: NotRequired[str]
     waits_for: str
     """Empty while it does not wait."""
     because: str
@@ -160,6 +169,7 @@ class DebugFrame(TypedDict):
 
     function: str
     line: int
+    node: NotRequired[str]
 
 
 class Said(TypedDict):
@@ -167,6 +177,7 @@ class Said(TypedDict):
 
     t: float
     line: int
+    node: NotRequired[str]
     text: str
 
 
@@ -195,6 +206,7 @@ class SetBreakpoint(TypedDict):
     """Where a breakpoint is now."""
 
     line: int
+    node: NotRequired[str]
     set: bool
     why: str
     """Why it is not set."""
@@ -218,6 +230,7 @@ class ValueChange(TypedDict):
 
     t: float
     line: int
+    node: NotRequired[str]
     by: str
     """The thread that made it, or what else did."""
     old: str

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from elitescript.errors import UsageError
-from elitescript.paths import is_program_name, real_path
+from elitescript.paths import is_program_name, is_task_name, real_path
 from elitescript.shown import encodable, with_bytes
 
 
@@ -60,7 +60,7 @@ class Folder:
         found = sorted(
             encodable(str(path.relative_to(self.path)))
             for path in self.path.rglob("*.*")
-            if is_program_name(path.name)
+            if (is_program_name(path.name) or is_task_name(path.name))
             and not any(part.startswith(".") for part in path.relative_to(self.path).parts)
         )
         return found[:most], len(found)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from elitescript.debugger.values import more, shown
 from elitescript.devices.world import World
@@ -49,7 +49,8 @@ _TEXT_KINDS: Final = frozenset(("log", "print", "popup", "warning", "device", "s
 def check(request: Mapping[str, Any]) -> dict[str, Any]:
     """Return what `check` finds in a program."""
     robot = _robot(request)
-    return _findings(_checked(request, robot))
+    source = source_of_request(request)
+    return cast("dict[str, Any]", with_nodes(_findings(_checked(source, robot)), source))
 
 
 def run(request: Mapping[str, Any]) -> dict[str, Any]:
@@ -75,6 +76,34 @@ def start_values(request: Mapping[str, Any]) -> tuple[dict[str, Value], dict[str
     levels, presets = sorted_settings(request.get("set") or {}, "set")
     check_presets(presets, request["text"], "set")
     return levels, presets
+
+
+def source_of_request(request: Mapping[str, Any]) -> SourceFile:
+    """Return the text of a request, that of a graphical program with its nodes.
+
+    Raises:
+        ProgramError: a graphical program that cannot run.
+    """
+    if path := request.get("task"):
+        from elitescript.environment.task_files import source_of_task
+
+        return source_of_task(path)
+    return SourceFile(request["name"], request["text"])
+
+
+def with_nodes(answer: Any, source: SourceFile) -> Any:
+    """Return an answer with the node beside each line of a graphical program."""
+    if not source.places:
+        return answer
+    if isinstance(answer, list):
+        return [with_nodes(item, source) for item in answer]
+    if not isinstance(answer, dict):
+        return answer
+    found = {name: with_nodes(value, source) for name, value in answer.items()}
+    line = answer.get("line")
+    if isinstance(line, int) and (node := source.place(line)):
+        found["node"] = node
+    return found
 
 
 def until_of(request: Mapping[str, Any]) -> float | None:
@@ -106,8 +135,7 @@ def _robot(request: Mapping[str, Any]) -> VirtualRobot:
     return VirtualRobot(world=world_of(request), **options_of(request))
 
 
-def _checked(request: Mapping[str, Any], robot: VirtualRobot, presets: Mapping[str, Any] | None = None) -> CheckResult:
-    source = SourceFile(request["name"], request["text"])
+def _checked(source: SourceFile, robot: VirtualRobot, presets: Mapping[str, Any] | None = None) -> CheckResult:
     options = robot.text_options(source)
     return compile_checked(source, robot.profile, options, presets=presets or (), arm=robot.model)
 
@@ -140,10 +168,17 @@ def _finding(problem: Diagnostic) -> dict[str, Any]:
 
 
 def _run(request: Mapping[str, Any], window: tuple[float, float, float] | None) -> dict[str, Any]:
+    source = source_of_request(request)
+    return cast("dict[str, Any]", with_nodes(_outcome_of(request, source, window), source))
+
+
+def _outcome_of(
+    request: Mapping[str, Any], source: SourceFile, window: tuple[float, float, float] | None
+) -> dict[str, Any]:
     levels, presets = start_values(request)
     robot = _robot(request)
     robot.set_start(levels)
-    checked = _checked(request, robot, presets)
+    checked = _checked(source, robot, presets)
     found = {"check": _findings(checked)}
     if checked.unit is None or checked.is_refused:
         of_text = in_order(map(finding_of_text, checked.problems))

@@ -37,6 +37,7 @@ from elitescript.mcp.answers import (
 from elitescript.mcp.debugged import DebuggedRuns
 from elitescript.mcp.folder import Folder
 from elitescript.mcp.workers import ask_once
+from elitescript.models.model import model_names
 from elitescript.paths import is_task_name
 from elitescript.shown import shown
 from elitescript.untrusted.files import PROGRAM, read_bytes
@@ -182,8 +183,11 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
         request: dict[str, Any] = {name: value for name, value in settings.items() if value is not None}
         if file is not None:
             path = folder.file(file, ".script", ".task", ".txt")
-            source = _source(file, path)
-            request |= {"name": file, "text": source.text, "task_dir": str(path.parent)}
+            request |= {"name": file, "task_dir": str(path.parent)}
+            if is_task_name(path.name):
+                request |= _graphical(path, has_arm=robot is not None or world is not None)
+            else:
+                request["text"] = SourceFile.from_bytes(file, read_bytes(path, _PROGRAM)).text
         else:
             assert text is not None
             if len(text) > TEXT_MAX:
@@ -197,7 +201,7 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
 
     @tool(_READS)
     async def programs() -> Programs:
-        """List the robot programs (*.script) in the folder that this server was started for."""
+        """List the robot programs (*.script, *.task) in the folder that this server was started for."""
         found, count = folder.programs(PROGRAMS_MAX)
         return {"folder": str(folder.path), "programs": found, "programs_left_out": count - len(found)}
 
@@ -389,10 +393,23 @@ def _registrar(server: MCPServer) -> Callable[[ToolAnnotations], Callable[[Calla
     return registered
 
 
-def _source(file: str, path: Path) -> SourceFile:
-    """Return the text of a program, that of a graphical one as it is generated."""
-    if is_task_name(path.name):
-        from elitescript.environment.task_files import source_of_task
+def _graphical(path: Path, *, has_arm: bool) -> dict[str, Any]:
+    """Return what a request says of a graphical program; it runs on its own arm, if nothing names another one.
 
-        return source_of_task(path)
-    return SourceFile.from_bytes(file, read_bytes(path, _PROGRAM))
+    Raises:
+        UsageError: it cannot run; with its nodes.
+    """
+    from elitescript.environment.task_files import opened_task
+
+    task = opened_task(path)
+    if task.errors:
+        texts = []
+        for problem in task.errors:
+            node = task.source.place(problem.line)
+            hint = f" ({problem.hint})" if problem.hint else ""
+            texts.append(f"{f'{node}: ' if node else ''}{problem}{hint}")
+        raise UsageError("\n".join(texts))
+    found: dict[str, Any] = {"text": task.source.text, "task": str(path)}
+    if not has_arm and task.source.arm in model_names():
+        found["robot"] = task.source.arm
+    return found

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from elitescript.debugger.api import Change, Frame, LineBreakpoint, Output, Scope, Stop, Variable
 from elitescript.debugger.session import DebugSession
@@ -12,7 +12,8 @@ from elitescript.debugger.source import ProgramSource
 from elitescript.debugger.values import more
 from elitescript.errors import DebugError, UsageError
 from elitescript.kernel.options import Number, Whole, accepted
-from elitescript.mcp.runs import options_of, start_values, until_of, world_of
+from elitescript.language.text.source import SourceFile
+from elitescript.mcp.runs import options_of, source_of_request, start_values, until_of, with_nodes, world_of
 
 FRAMES_MAX: Final = 20
 VARIABLES_MAX: Final = 100
@@ -43,21 +44,24 @@ class Steps:
     def __init__(self) -> None:
         self._session: DebugSession | None = None
         self._outputs: list[Output] = []
+        self._source = SourceFile("", "")
 
     def start(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Begin to debug a program; stop before its first statement."""
         levels, presets = start_values(request)
         until_s = until_of(request)
-        source = ProgramSource(
+        self._source = source_of_request(request)
+        debugged = ProgramSource(
             request["name"],
             text=request["text"],
+            source=self._source,
             world=partial(world_of, request),
             levels=levels,
             presets=presets,
             until_s=until_s,
             **options_of(request),
         )
-        self._session = DebugSession(source, self._outputs.append, forks=False)
+        self._session = DebugSession(debugged, self._outputs.append, forks=False)
         return self._stopped(self._session.start(stop_on_entry=True))
 
     def go(self, request: Mapping[str, Any]) -> dict[str, Any]:
@@ -90,7 +94,8 @@ class Steps:
             states = self._debugged.set_breakpoints(wanted)
         except DebugError as error:
             raise UsageError(str(error)) from error
-        return {"breakpoints": [{"line": state.line, "set": state.verified, "why": state.message} for state in states]}
+        rows = [{"line": state.line, "set": state.verified, "why": state.message} for state in states]
+        return {"breakpoints": with_nodes(rows, self._source)}
 
     def evaluate(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Return the value of an expression at the present stop; nothing is changed."""
@@ -127,7 +132,7 @@ class Steps:
         thread = stop.thread or (threads[0].id if threads else 0)
         frames = session.stack(thread)[:FRAMES_MAX] if thread else ()
         scopes = session.scopes(frames[0].id if frames else 0)
-        return {
+        found = {
             "reason": stop.reason,
             "text": stop.text,
             "time_s": stop.time_s,
@@ -149,6 +154,7 @@ class Steps:
             "tcp_pose": list(state.tcp_pose),
             "output": [{"t": item.time_s, "line": item.line, "text": _short(item.text)} for item in said],
         }
+        return cast("dict[str, Any]", with_nodes(found, self._source))
 
     def _values(self, scope: Scope) -> dict[str, str]:
         found: tuple[Variable, ...] = self._debugged.variables(scope.reference, count=VARIABLES_MAX)

@@ -159,7 +159,7 @@ class Alarm(Happened):
     source_line: str = ""
     """Text of that line."""
     details: dict[str, Any] = field(default_factory=dict)
-    """`command`, `argument`, `value`, `limit`, `unit`, `hint`, as far as they apply."""
+    """`command`, `argument`, `value`, `limit`, `unit`, `hint`, as far as they apply; `node`: of a graphical program."""
 
 
 @record

@@ -32,6 +32,9 @@ class Profile:
     """What the controller reports, unless an option says otherwise."""
     python: tuple[int, int, int]
     """`sys.version_info` of programs (*assumed*: manual 2.10 needs 3.6 at least)."""
+    are_powers_whole: bool = True
+    """Whether `pow` of two whole numbers is whole, as `pow(2, 3)` is 8 in manual 2.10; else a float (*assumed*: the
+    manual shortens what it prints, also `sin(3.1415926)` to 0, so that its `sqrt(4)`, 2, is no whole number)."""
 
 
 PROFILES: Final[dict[str, Profile]] = {

@@ -12,6 +12,7 @@ from elitescript.conversation.describe import Message, Moment
 from elitescript.conversation.limits import EVENTS_MAX, EventBudget
 from elitescript.conversation.messages import RunOptions
 from elitescript.conversation.recording import RecordedRun, recording
+from elitescript.conversation.trees import nodes
 from elitescript.json_records.jsonlines import plain
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds, ticks_for
@@ -84,7 +85,8 @@ def _said(found: Recording, events_max: int) -> Iterator[Message]:
     yield describe.hello("recorded", f"elitescript {__version__}", ABILITIES, found.title)
     yield dict(found.scene) if found.scene is not None else scene(found.model)
     if found.source is not None:
-        yield {"type": "file", "name": found.title, "text": found.source.text, "digest": ""}
+        file: Message = {"type": "file", "name": found.title, "text": found.source.text, "digest": ""}
+        yield file | {"tree": nodes(found.source.places)} if found.source.places else file
         yield describe.problems(version, found.problems, compiles=True)
     yield describe.run_began(RUN, version, RunOptions(robot=found.model.name))
     parts = stretches(rows)

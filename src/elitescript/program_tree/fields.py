@@ -358,9 +358,15 @@ def _stored_pose(element: Element) -> Pose | None:
     if any(number is None or number != number for number in numbers) or not any(numbers):
         return None
     return tuple(
-        Quantity(number / 1000.0) if axis < 3 else number  # type: ignore[operator]
+        _from_millimetres(number) if axis < 3 else number  # type: ignore[arg-type]
         for axis, number in enumerate(numbers)
     )  # type: ignore[return-value]
+
+
+def _from_millimetres(number: Quantity) -> Quantity:
+    """Return a length in m with the digits that it has in mm: 485.623 is 0.485623, and not one bit less."""
+    text = number.text.lower()
+    return Quantity(number / 1000.0 if "e" in text else float(f"{text}e-3"))
 
 
 class FramePose:

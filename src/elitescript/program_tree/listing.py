@@ -215,6 +215,7 @@ _SUMMARIES: Final[dict[type[Node], Any]] = {
 def task_record(task: Task, problems: tuple[Problem, ...] = ()) -> dict[str, Any]:
     """Return a task as JSON has it: nodes by rows, fields in SI units, what cannot be generated."""
     rows = rows_of(task)
+    lines = task.lines_of([row.node for row in rows])
     return {
         "name": task.name,
         "installation": task.installation,
@@ -229,11 +230,11 @@ def task_record(task: Task, problems: tuple[Problem, ...] = ()) -> dict[str, Any
             }
             for row in problems
         ],
-        "rows": [_record_of(row, task) for row in rows],
+        "rows": [_record_of(row, line) for row, line in zip(rows, lines, strict=True)],
     }
 
 
-def _record_of(row: Row, task: Task) -> dict[str, Any]:
+def _record_of(row: Row, line: int) -> dict[str, Any]:
     node = row.node
     return {
         "row": row.number,
@@ -241,7 +242,7 @@ def _record_of(row: Row, task: Task) -> dict[str, Any]:
         "kind": kind_of(node),
         "mark": row.mark,
         "is_suppressed": node.is_suppressed,
-        "line": task.line_of(node),
+        "line": line,
         "summary": summary_of(node),
         "fields": {name: _plain(value) for name, value in _own_fields(node)},
     }

@@ -26,7 +26,7 @@ def resolve(root: Element) -> list[Element]:
     for element in root.everything():
         for child in element.elements:
             parents[id(child)] = element
-        if ' reference="' in element.head or " reference='" in element.head:
+        if "reference=" in element.head and "reference" in element.attributes:
             referring.append(element)
     named: dict[int, dict[str, list[Element]]] = {}
 

@@ -5,10 +5,12 @@ A file that was read and is written without a change has the same bytes; after a
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator
 from difflib import SequenceMatcher
 from typing import Any, Final
 
+from elitescript.language.garbage import without_collection
 from elitescript.program_tree.fields import Objects
 from elitescript.program_tree.kinds import BRANCHES, BY_ELEMENT, BY_NODE, Kind
 from elitescript.program_tree.nodes import (
@@ -84,11 +86,19 @@ class Task:
                 return part
         return MainTask()
 
-    def line_of(self, node: Node) -> int:
-        """Return the line of the file in which a node begins; 0: it was not read from a file."""
+    def lines_of(self, nodes: Iterable[Node]) -> list[int]:
+        """Return the lines of the file in which nodes begin; 0 for one that was not read from it."""
+        if self.document is None:
+            return [0 for _ in nodes]
+        ends = self.document.line_ends()
+        offsets = [-1 if node.source is None else node.source.offset for node in nodes]
+        return [0 if offset < 0 else bisect_left(ends, offset) + 1 for offset in offsets]
+
+    def span_of(self, node: Node) -> tuple[int, int]:
+        """Return where a node begins and ends in the text of the file, in characters; -1: it was not read from one."""
         if self.document is None or node.source is None:
-            return 0
-        return self.document.line_of(node.source)
+            return -1, -1
+        return node.source.offset, self.document.end_of(node.source)
 
 
 def nodes_in(node: Node) -> tuple[Node, ...]:
@@ -99,6 +109,7 @@ def nodes_in(node: Node) -> tuple[Node, ...]:
 # ---------------------------------------------------------------- reading
 
 
+@without_collection
 def read_task(data: bytes, name: str = "the file") -> Task:
     """Read a `.task` file.
 
@@ -151,7 +162,7 @@ class _Reading:
         self.objects = objects
         self.damage = damage
         self.name = name
-        self.texts: list[tuple[int, str]] = []
+        self.texts: list[tuple[Element, str]] = []
 
     def node(self, element: Element, level: int) -> Node:
         if level > LEVELS_MAX:
@@ -195,18 +206,18 @@ class _Reading:
     def look_for_text(self, box: Element, element: Element) -> None:
         for piece in box.content:
             if isinstance(piece, str) and not piece.isspace() and piece.strip() and not piece.lstrip().startswith("<!"):
-                self.texts.append((self.document.line_of(element), piece.strip()))
+                self.texts.append((element, piece.strip()))
                 return
 
     def damages(self) -> None:
         """Note texts between elements, which are ignored, as one row: pendants write some in each file."""
         if self.texts:
-            line, text = self.texts[0]
+            element, text = self.texts[0]
             count = len(self.texts)
             sentence = said("text stands between elements and is ignored: {text!r}", text=text[:60])
             if count > 1:
                 sentence = said("{sentence}, and {count} more", sentence=sentence, count=count - 1)
-            self.damage.append(Damage(line, sentence))
+            self.damage.append(Damage(self.document.line_of(element), sentence))
 
 
 def _kind_of(element: Element) -> Kind | None:

@@ -27,7 +27,6 @@ DEPTH_MAX: Final = 450
 _TAG: Final = re.compile(
     r"(<!--.*?-->|<!\[CDATA\[.*?\]\]>|<\?.*?\?>|<[^<>\"']*(?:\"[^\"]*\"[^<>\"']*|'[^']*'[^<>\"']*)*>)", re.DOTALL
 )
-_NAME: Final = re.compile(r"</?([^\s/>]+)")
 _ATTRIBUTE: Final = re.compile(r"""\s([^\s=<>"'/]+)\s*=\s*("[^"]*"|'[^']*')""")
 _REFERENCE: Final = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(lt|gt|amp|quot|apos));")
 _ENTITIES: Final = {"lt": "<", "gt": ">", "amp": "&", "quot": '"', "apos": "'"}
@@ -47,6 +46,7 @@ class TaskFileError(UsageError):
     def __init__(self, name: str, why: str, line: int = 0, column: int = 0) -> None:
         place = ":".join([name, *(str(number) for number in (line, column) if number)])
         super().__init__(said("{place}: {why}", place=place, why=why))
+        self.name = name
         self.why = why
         self.line = line or 1
         self.column = column or 1
@@ -74,7 +74,7 @@ class Element:
             the references of a document are resolved.
     """
 
-    __slots__ = ("_attributes", "content", "head", "name", "offset", "shared", "tail")
+    __slots__ = ("_attributes", "_elements", "content", "head", "name", "offset", "shared", "tail")
 
     def __init__(
         self,
@@ -92,18 +92,25 @@ class Element:
         self.offset = offset
         self.shared = shared
         self._attributes: dict[str, str] | None = None
+        self._elements: list[Element] | None = None
 
     @property
     def attributes(self) -> dict[str, str]:
         """The attributes by name, in their order, with their values as they are meant; not to be changed."""
         if self._attributes is None:
-            self._attributes = {name: _plain(raw[1:-1]) for name, raw in _ATTRIBUTE.findall(self.head)}
+            given = _ATTRIBUTE.findall(self.head)
+            if "&" in self.head:
+                self._attributes = {name: _plain(raw[1:-1]) for name, raw in given}
+            else:
+                self._attributes = {name: raw[1:-1] for name, raw in given}
         return self._attributes
 
     @property
     def elements(self) -> list[Element]:
-        """The elements in it."""
-        return [piece for piece in self.content if piece.__class__ is Element]
+        """The elements in it; not to be changed."""
+        if self._elements is None:
+            self._elements = [piece for piece in self.content if piece.__class__ is Element]
+        return self._elements
 
     @property
     def text(self) -> str:
@@ -118,9 +125,9 @@ class Element:
 
     def child(self, name: str) -> Element | None:
         """Return the first element of a name in it."""
-        for piece in self.content:
-            if piece.__class__ is Element and piece.name == name:
-                return piece
+        for element in self.elements:
+            if element.name == name:
+                return element
         return None
 
     def everything(self) -> Iterator[Element]:
@@ -253,9 +260,28 @@ class Document:
         self.text = text
         """The text that was read, in which `offset` of elements counts."""
 
+    def line_ends(self) -> list[int]:
+        """Return the places of line feeds in the text."""
+        return [found.start() for found in re.finditer("\n", self.text)]
+
     def line_of(self, element: Element) -> int:
         """Return the line in which an element begins, from 1; 0: it was not read from a file."""
         return self.text.count("\n", 0, element.offset) + 1 if element.offset >= 0 else 0
+
+    def end_of(self, element: Element) -> int:
+        """Return where an element ends in the text that was read, in characters; -1: it was not read from a file."""
+        if element.offset < 0:
+            return -1
+        waiting: list[str | Element] = [element]
+        length = 0
+        while waiting:
+            piece = waiting.pop()
+            if isinstance(piece, str):
+                length += len(piece)
+            else:
+                length += len(piece.head) + len(piece.tail)
+                waiting.extend(piece.content)
+        return element.offset + length
 
 
 def read_document(data: bytes, name: str = "the file") -> Document:
@@ -267,14 +293,31 @@ def read_document(data: bytes, name: str = "the file") -> Document:
     if len(data) > BYTES_MAX:
         raise TaskFileError(name, said("the file has more than {limit} bytes", limit=BYTES_MAX))
     try:
+        text = data.decode("utf-8")
+        if "\0" in text:
+            plain_text(data)
+    except UnicodeDecodeError:
+        raise _not_utf8(data, name) from None
+    except EncodingError as error:
+        raise _located(error, data, name) from None
+    _refuse_what_is_no_xml(data, name)
+    return _cut(text, name)
+
+
+def _not_utf8(data: bytes, name: str) -> TaskFileError:
+    """Return why bytes are no text: the encoding that they are in, or the line of the first that is not UTF-8."""
+    try:
         plain_text(data)
     except EncodingError as error:
-        line = data.count(b"\n", 0, error.at) + 1
-        encoding = error.encoding
-        why = said("the text is {encoding}, not UTF-8", encoding=encoding) if encoding else said("this is not UTF-8")
-        raise TaskFileError(name, why, line) from None
-    _refuse_what_is_no_xml(data, name)
-    return _cut(data.decode("utf-8"), name)
+        return _located(error, data, name)
+    return TaskFileError(name, said("this is not UTF-8"))
+
+
+def _located(error: EncodingError, data: bytes, name: str) -> TaskFileError:
+    line = data.count(b"\n", 0, error.at) + 1
+    encoding = error.encoding
+    why = said("the text is {encoding}, not UTF-8", encoding=encoding) if encoding else said("this is not UTF-8")
+    return TaskFileError(name, why, line)
 
 
 def written(document: Document) -> bytes:
@@ -354,7 +397,7 @@ def _cut(text: str, file_name: str) -> Document:
             else:
                 root, contents[-1] = element, behind
         else:
-            name = _NAME.findall(piece)[0]
+            name = piece.split(None, 1)[0][1:].rstrip("/>")
             if piece[-2] == "/":
                 element = Element(name, piece, (), "", here)
                 if open_heads:

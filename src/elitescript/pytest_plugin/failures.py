@@ -68,7 +68,7 @@ def _about(watched: WatchedRun) -> str:
     out = [f"{shown_word(source.name)} on {watched.model.name}: {_ending(watched, events)}"]
     if lines := _lines(watched, events)[-LINES_SHOWN:]:
         out.append("last lines:" if watched.rows is not None else "last lines with an effect:")
-        out += [at(tick, f"{line:4}  {source.line(line).strip()}") for tick, line in lines]
+        out += [at(tick, _line(source, line)) for tick, line in lines]
     signals = [event for event in events if isinstance(event, SignalChanged)]
     if signals:
         out.append("signals that changed:")
@@ -96,6 +96,12 @@ def _about(watched: WatchedRun) -> str:
         out.append("threads:")
         out += [f"  {shown_word(row.name)}: line {row.line}, {continued(row.doing)}" for row in waiting]
     return "\n".join(out)
+
+
+def _line(source: SourceFile, line: int) -> str:
+    """Return a line with its number; in the script of a graphical program with its node."""
+    node = source.place(line)
+    return f"{line:4}  {f'{node}: ' if node else ''}{source.line(line).strip()}"
 
 
 def _ending(watched: WatchedRun, events: Sequence[Event]) -> str:

@@ -6,7 +6,7 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Collection, Generator, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -29,7 +29,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.observer import COVERAGE_VARIABLE
 from elitescript.outputs.call_paths import MADE, Read, Written, check_paths, why_not_written
 from elitescript.outputs.writing import why_no_page, write_file
-from elitescript.paths import is_program_name, real_path
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name, real_path
 from elitescript.pytest_plugin.file_names import holds_tests
 from elitescript.pytest_plugin.unmet_facts import unmet_of
 from elitescript.records import replace
@@ -69,7 +69,7 @@ class Measuring:
         for path in self._paths:
             if not path.exists():
                 raise pytest.UsageError(f"--script-cov={path}: there is no such file or folder")
-            if path.is_file() and not is_program_name(path.name):
+            if path.is_file() and not (is_program_name(path.name) or is_task_name(path.name)):
                 raise pytest.UsageError(
                     f"--script-cov={path}: this is no program; --script-cov without PATH stands behind the test files"
                 )
@@ -162,12 +162,12 @@ class Measuring:
         seen: set[str] = set()
         for path in self._files({name for known in names.values() for name in known}):
             try:
-                source = SourceFile.from_bytes(str(path), read_bytes(path, PROGRAM))
+                source = _source_at(path)
                 digest = digest_of(source.text)
                 if not self._paths and digest not in counts:
                     continue
                 program = analyse(source)
-            except ProgramError:
+            except (ProgramError, UsageError):
                 self._notes.append(f"{path} does not compile; it is in no report")
                 continue
             seen.add(digest)
@@ -237,11 +237,13 @@ class Measuring:
                 write_file(target / name, text)
             return
         if kind == "lcov":
-            text = lcov(self._from(repository_root()))
+            text = lcov(row.in_file() for row in self._from(repository_root()))
         elif kind == "xml":
             root = repository_root()
             version, time_ms = elitescript.__version__, int(time.time() * 1000)
-            text = cobertura(self._from(root), root=str(root), version=version, time_ms=time_ms)
+            text = cobertura(
+                [row.in_file() for row in self._from(root)], root=str(root), version=version, time_ms=time_ms
+            )
         else:
             text = json_report(self._programs, self._unmet)
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -297,6 +299,21 @@ def _why_no_report(kind: str, file: Path) -> str:
     return "" if is_report else f"it is no report of kind {kind}, and would be lost"
 
 
+def _is_of_task(name: str, files: Collection[str]) -> bool:
+    """Return whether a program is the script that a pendant has written beside a graphical program."""
+    task = name[: -len(PROGRAM_SUFFIX)]
+    return is_task_name(task) and task in files
+
+
+def _source_at(path: Path) -> SourceFile:
+    if not is_task_name(path.name):
+        return SourceFile.from_bytes(str(path), read_bytes(path, PROGRAM))
+    # Imported late: few programs are graphical.
+    from elitescript.environment.task_files import source_of_task
+
+    return source_of_task(path)
+
+
 def _programs_below(folder: Path) -> Iterator[Path]:
     for place, folders, files in os.walk(folder.resolve()):
         folders[:] = sorted(
@@ -305,6 +322,7 @@ def _programs_below(folder: Path) -> Iterator[Path]:
             if not name.startswith(".") and name not in _NOT_SEARCHED and not Path(place, name, "pyvenv.cfg").exists()
         )
         for name in files:
-            if is_program_name(name) and not holds_tests(name):
+            is_program = is_program_name(name) and not holds_tests(name) and not _is_of_task(name, files)
+            if is_program or is_task_name(name):
                 # A link is the program that it leads to.
                 yield real_path(Path(place, name))

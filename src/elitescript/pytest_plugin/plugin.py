@@ -285,12 +285,13 @@ def _count_findings(item: pytest.Item, report: pytest.TestReport, runs: Collecti
     """Let the report of a test that has passed say how many errors and warnings its programs and runs have."""
     if not runs or item.config.getini(_FINDINGS) == "off":
         return
-    from elitescript.pytest_plugin.strictness import findings_in_words
+    from elitescript.pytest_plugin.strictness import findings_as_json, findings_in_words
 
     if words := findings_in_words(runs):
         report.user_properties.append((_FINDINGS, words))
         # JUnit XML takes properties from the report of the teardown.
         item.user_properties.append((_FINDINGS, words))
+        item.user_properties.append((f"{_FINDINGS}_json", findings_as_json(runs)))
 
 
 def pytest_terminal_summary(terminalreporter: TerminalReporter) -> None:

@@ -8,7 +8,9 @@ from typing import Final
 import pytest
 
 from elitescript.findings.found import Findings
+from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import Options
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import compile_checked
 from elitescript.messages.findings import ERROR, NOTE, WARNING, Finding
 from elitescript.pytest_plugin.script_program import RETURNED
@@ -36,6 +38,18 @@ def findings_in_words(watched: Iterable[WatchedRun]) -> str:
     return Findings(finding for finding in _found(watched).values() if finding.severity != NOTE).words
 
 
+def findings_as_json(watched: Iterable[WatchedRun]) -> str:
+    """Return errors and warnings of text and runs as JSON has them, with their templates and values."""
+    from json import dumps
+
+    found = Findings(finding for finding in _found(watched).values() if finding.severity != NOTE)
+    return dumps(found.records()[:FINDINGS_MAX])
+
+
+FINDINGS_MAX: Final = 100
+"""Findings of one test that its report carries."""
+
+
 def _found(watched: Iterable[WatchedRun]) -> dict[str, Finding]:
     """Return the findings of text and run by what is said of them, each once."""
     found: dict[str, Finding] = {}
@@ -44,8 +58,15 @@ def _found(watched: Iterable[WatchedRun]) -> dict[str, Finding]:
         for finding in watch.findings:
             # Nothing in a file of tests calls them.
             if not (of_tests and finding.code == NOTHING_RUNS):
-                found[f"{watch.unit.source.name}: {finding}"] = finding
+                found[_with_place(finding, watch.unit.source)] = finding
     return found
+
+
+def _with_place(found: Finding | Diagnostic, source: SourceFile) -> str:
+    """Return a finding with the name of its text; of a graphical program, with its node."""
+    if not (source.places and found.line):
+        return f"{source.name}: {found}"
+    return f"{source.where(found.line)}: {found.severity} {found.code}: {found.text}"
 
 
 def warnings_of(watched: Iterable[WatchedRun]) -> list[str]:
@@ -61,7 +82,7 @@ def warnings_of(watched: Iterable[WatchedRun]) -> list[str]:
             problems = [problem for problem in problems if problem.code != NOTHING_RUNS]
         known = set(map(str, problems))
         for problem in problems:
-            found[f"{unit.source.name}: {problem}"] = None
+            found[_with_place(problem, unit.source)] = None
         for text in watch.warnings:
             if text not in known:
                 found[f"{unit.source.name}: {text}"] = None

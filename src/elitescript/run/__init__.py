@@ -162,20 +162,21 @@ def record_of(keep: str | Iterable[str]) -> EventRecord:
     Raises:
         UsageError: there is no such kind.
     """
-    names = [name.strip() for name in keep.split(",")] if isinstance(keep, str) else [*map(str, keep)]
+    names = [name.strip() for name in keep.split(",")] if isinstance(keep, str) else list(keep)
     if names == ["all"]:
         return EventRecord()
     if names == ["none"]:
         return ChosenEvents(frozenset())
-    kinds: dict[str, type] = {kind.__name__: kind for kind in get_args(Event)}
+    kinds = {kind.__name__: kind for kind in get_args(Event)}
     for name in names:
         if name not in kinds:
+            near = did_you_mean(str(name), kinds)
             raise UsageError(
                 said(
                     "no kind of event is called {name}{near}; keep takes all, none, or some of {kinds}",
                     name=repr(name),
-                    near=did_you_mean(name, kinds),
-                    kinds=", ".join(kinds),
+                    near=near,
+                    kinds=", ".join(map(str, kinds)),
                 )
             )
     return ChosenEvents(frozenset(kinds[name] for name in names))
@@ -311,7 +312,7 @@ class Run:
     @property
     def is_spoilt(self) -> bool:
         """Whether it finished with warnings of its own, which a strict robot does not allow."""
-        return self.state == "finished" and self.has_findings and not self.findings.of_run.is_clean
+        return self.state == "finished" and self._found is not None and not self._found.listed().is_clean
 
     def exit_code(self, *, is_strict: bool = False) -> int:
         """Return the exit code of a process that runs this program alone.

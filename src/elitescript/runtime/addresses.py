@@ -13,7 +13,8 @@ import re
 import sys
 from typing import Final
 
-_PATTERN: Final = re.compile(r" at 0x([0-9a-fA-F]{6,16})>")
+_PATTERN: Final = re.compile(r" at 0x([0-9a-fA-F]{6,16})(>|&gt;)")
+"""As texts of objects end, in XML too."""
 _PIECE_BITS: Final = 20
 """Python takes memory for small objects in pieces of 2**20 bytes, which begin at multiples of that."""
 _BLOCKS: Final = 1000
@@ -28,7 +29,7 @@ def without_addresses(text: str) -> str:
 
 
 def _without_one(match: re.Match[str]) -> str:
-    return ">" if _MEMORY.holds(int(match[1], 16)) else match[0]
+    return match[2] if _MEMORY.holds(int(match[1], 16)) else match[0]
 
 
 class _Memory:

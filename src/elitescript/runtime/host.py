@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.commands.definition.context import Machine
 from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
 from elitescript.messages.timing import HELD_UP_MAX_S, RPC_TIMEOUT_S, WORK_PER_TICK
@@ -289,6 +290,11 @@ class ScriptHost:
     def program(self) -> Program | None:
         """The program that runs or ran last."""
         return self._program
+
+    @property
+    def source(self) -> SourceFile | None:
+        """The text of the program that runs or ran last."""
+        return None if self._unit is None else self._unit.source
 
     @property
     def is_running(self) -> bool:

@@ -141,7 +141,10 @@ class Program:
 
         def body() -> None:
             if variables:
-                names = _Scope(self.globals.values, dict(variables))
+                outer = self.globals.values
+                # Bodies of classes ask a dict alone, past `__missing__`.
+                asked = {name: outer[name] for name in _names_of_classes(unit.code) if name in outer}
+                names = _Scope(outer, asked | dict(variables))
                 dict.__setitem__(names, "__builtins__", self.builtins)
                 exec(unit.code, names)
                 names.pop(MAIN)()
@@ -296,10 +299,13 @@ class Program:
         made: type = self.builtins["__build_class__"](*args, **options)
         return made
 
+    def numbering(self) -> Callable[[Any], int]:
+        """See `ModulePort.numbering`."""
+        return self.bindings.identities.number_for_copies
+
     def copy_names(self) -> dict[str, dict[str, Any]]:
         """See `ModulePort.copy_names`."""
-        identities = self.bindings.identities
-        return {"copy": {"id": identities.number_for_copies}, "threading": {"id": identities.number}}
+        return {"threading": {"id": self.bindings.identities.number}}
 
     def start_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> int:
         """See `Context.start_thread`."""
@@ -323,9 +329,25 @@ class Program:
         return self._processes
 
 
+def _names_of_classes(code: CodeType) -> set[str]:
+    """Return the names in the bodies of classes in a code."""
+    found: set[str] = set()
+    codes = [value for value in code.co_consts if type(value) is CodeType]
+    while codes:
+        inner = codes.pop()
+        if not inner.co_flags & _OPTIMIZED:
+            found.update(inner.co_names)
+        codes += [value for value in inner.co_consts if type(value) is CodeType]
+    return found
+
+
 def is_shown(value: object) -> bool:
     """Return whether the variable monitor shows a value."""
     return not isinstance(value, _NOT_SHOWN)
+
+
+_OPTIMIZED: Final = 0x01
+"""Flag of the code of a function; that of a class has it not (`inspect.CO_OPTIMIZED`, without importing it)."""
 
 
 class _LazyGenerator:

@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.conversation.messages import TEXT_MAX
+from elitescript.environment.task_files import TASK, OpenedTask, opened_task
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import BOM, SourceFile
 from elitescript.outputs.writing import write_file
-from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
+from elitescript.paths import PROGRAM_SUFFIX, TASK_SUFFIX, is_program_name, is_task_name
 from elitescript.records import NamedTuple
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
@@ -44,10 +45,17 @@ class Found(NamedTuple):
     Attributes:
         text: with LF as line ends and without a byte order mark; empty if there is no file.
         digest: of its bytes, SHA-256 as hexadecimal; empty if there is no file.
+        task: of a graphical program; `text` is its script, or the file as it is if it is no task.
     """
 
     text: str
     digest: str
+    task: OpenedTask | None = None
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """The files beside it that it is made of, too."""
+        return () if self.task is None else self.task.paths
 
 
 class Conflict(Exception):
@@ -80,12 +88,6 @@ class Programs:
             is_folder = real.is_dir()
         except (OSError, ValueError, RuntimeError) as error:
             raise UsageError(f"{path}: {error}") from None
-        if not is_folder and is_task_name(real.name):
-            # Its text is generated: what is saved would take the place of the tree.
-            script = path.with_suffix(PROGRAM_SUFFIX)
-            raise UsageError(
-                f"{path}: the studio edits scripts; `elitescript task {path} -o {script}` makes one of this task"
-            )
         self.only: str | None = None if is_folder else real.name
         self.folder = real if is_folder else real.parent
         if not self.folder.is_dir():
@@ -104,7 +106,7 @@ class Programs:
         looked_at = 0
         for home, folders, files in os.walk(self.folder):
             folders[:] = sorted(name for name in folders if not name.startswith("."))
-            programs = [Path(home, name) for name in files if is_program_name(name) and not name.startswith(".")]
+            programs = [Path(home, name) for name in files if _can_be_opened(name) and not name.startswith(".")]
             found += [path.relative_to(self.folder).as_posix() for path in programs]
             looked_at += len(folders) + len(files)
             if len(found) >= PROGRAMS_MAX or looked_at >= _LOOKED_AT_MAX:
@@ -136,15 +138,19 @@ class Programs:
                 )
             return self.folder / name
         given = Path(name)
-        if given.is_absolute() or given.drive or not is_program_name(given.name):
-            raise UsageError(f"{name!r:.200}: the relative path of a {PROGRAM_SUFFIX} file is needed")
+        if given.is_absolute() or given.drive or not _can_be_opened(given.name):
+            raise UsageError(f"{name!r:.200}: the relative path of a {PROGRAM_SUFFIX} or {TASK_SUFFIX} file is needed")
         try:
             found = (self.folder / given).resolve()
         except (OSError, ValueError, RuntimeError) as error:
             raise UsageError(f"{name!r:.200} is no path: {error}") from None
-        if not found.is_relative_to(self.folder) or not is_program_name(found.name):
+        if not found.is_relative_to(self.folder) or not _can_be_opened(found.name):
             raise UsageError(f"{name!r:.200} is outside {self.folder}: only programs in this folder can be opened")
         return found
+
+
+def _can_be_opened(name: str) -> bool:
+    return is_program_name(name) or is_task_name(name)
 
 
 def stamp(path: Path) -> tuple[int, int, int] | None:
@@ -164,6 +170,31 @@ def read(path: Path) -> Found:
     """
     data = _bytes(path)
     return NONE if data is None else Found(_text(path, data), digest_of(data))
+
+
+def read_any(path: Path, task_dir: Path) -> Found:
+    """Return a program or a graphical program as it is on disk; see `read`.
+
+    Args:
+        path: of it.
+        task_dir: below which the configuration of a graphical program may be.
+    """
+    if not is_task_name(path.name):
+        return read(path)
+    try:
+        data = read_bytes(path, TASK)
+    except UnreadableError as error:
+        if error.is_missing:
+            return NONE
+        raise
+    task = opened_task(path, task_dir, data)
+    text = task.source.text
+    if task.program is None and len(text) > FILE_BYTES_MAX:
+        (problem,) = task.errors
+        raise UsageError(f"{path}:{problem.line}:{problem.column}: {problem.text}")
+    if len(text) > FILE_BYTES_MAX:
+        raise UsageError(f"{path}: its script has {len(text)} characters; the studio shows up to {FILE_BYTES_MAX}")
+    return Found(text, digest_of(data + b"\0" + text.encode("utf-8", "surrogatepass")), task)
 
 
 NONE: Final = Found("", "")

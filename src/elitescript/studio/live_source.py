@@ -78,7 +78,8 @@ class LiveSource:
         match message:
             case Program():
                 if self._page is not None:
-                    engine.name, engine.folder = self._page.file.name, self._page.file.folder
+                    file = self._page.file
+                    engine.name, engine.folder, engine.task = file.name, file.folder, file.task
                 await engine.program(message)
             case GoOn():
                 await engine.go_on(message)

@@ -12,10 +12,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
+from elitescript.assist.generated import refusal
 from elitescript.conversation.describe import notice, refused
 from elitescript.conversation.messages import Save
+from elitescript.conversation.trees import tree
+from elitescript.environment.task_files import OpenedTask
 from elitescript.errors import UsageError
-from elitescript.studio.files import NONE, Conflict, Found, Programs, read, save, stamp
+from elitescript.studio.files import NONE, Conflict, Found, Programs, read_any, save, stamp
 from elitescript.studio.memory import Memory, new_owner
 
 LOOK_EVERY_S: Final = 0.5
@@ -50,7 +53,8 @@ class OpenFile:
         self._path: Path | None = None
         self._on_disk: Found = NONE
         """The file as the page has last been sent it."""
-        self._stamp: tuple[int, int, int] | None = None
+        self._stamp: tuple[object, ...] = ()
+        """What differs after every change of the file and of those beside it."""
         self._seen = ""
         """Digest of the file that the text was made of."""
         self._text: str | None = None
@@ -66,6 +70,19 @@ class OpenFile:
     def folder(self) -> Path:
         """The folder of the file, which its program reads and writes files in."""
         return self._programs.folder if self._path is None else self._path.parent
+
+    @property
+    def task(self) -> OpenedTask | None:
+        """The graphical program, if it is one."""
+        return self._on_disk.task
+
+    def _read(self, path: Path) -> tuple[Found, tuple[object, ...]]:
+        """Return a file, and the stamps of what it is made of as they were before it was read."""
+        known = self._on_disk.paths
+        before = _stamps(path, known)
+        found = read_any(path, self._programs.folder)
+        # What is beside a task is known once it has been read.
+        return found, before if found.paths == known else (before[0], *_stamps(path, found.paths)[1:])
 
     async def open_first(self) -> None:
         """Open the first program that can be read; a new one if there is none."""
@@ -85,15 +102,14 @@ class OpenFile:
         """
         async with self._lock:
             path = self._programs.path(name)
-            seen = await asyncio.to_thread(stamp, path)
-            found = await asyncio.to_thread(read, path)
-            drafts = await asyncio.to_thread(self._memory.drafts, path)
+            found, seen = await asyncio.to_thread(self._read, path)
+            drafts = () if found.task else await asyncio.to_thread(self._memory.drafts, path)
             await self._keep()
             self.name, self._path, self._stamp = name, path, seen
             self._on_disk, self._seen = found, found.digest
             self._text = self._drafted = None
             self._offered = ""
-            message: dict[str, Any] = {"type": "file", "name": name, "text": found.text, "digest": found.digest}
+            message: dict[str, Any] = {"type": "file", "name": name, **_shown(found)}
             if not found.digest:
                 message["is_new"] = True
             if draft := next((draft for draft in drafts if draft.text != found.text), None):
@@ -103,6 +119,8 @@ class OpenFile:
 
     def edited(self, text: str) -> None:
         """Take a text of the page; it is kept soon if it differs from the file."""
+        if self.task is not None:
+            return
         self._text = text
         if self._keeping is None or self._keeping.done():
             self._keeping = asyncio.create_task(self._keep_soon())
@@ -114,6 +132,9 @@ class OpenFile:
             if path is None:
                 self._send(refused("no program is open", asked.ask))
                 return
+            if self.task is not None:
+                self._send(refused(refusal(self.task.source.name), asked.ask))
+                return
             try:
                 digest = await asyncio.to_thread(save, path, asked.text, asked.seen, force=asked.force)
             except Conflict as error:
@@ -123,7 +144,7 @@ class OpenFile:
             except UsageError as error:
                 self._send(refused(str(error), asked.ask))
                 return
-            self._stamp = await asyncio.to_thread(stamp, path)
+            self._stamp = await asyncio.to_thread(_stamps, path)
             self._on_disk, self._seen = Found(_with_lf(asked.text), digest), digest
             self._send({"type": "saved", "ask": asked.ask, "digest": digest})
             await self._drop_drafts(path)
@@ -138,19 +159,24 @@ class OpenFile:
         """Report a change on disk, if there is one."""
         async with self._lock:
             path = self._path
-            if path is None or (now := await asyncio.to_thread(stamp, path)) == self._stamp:
+            beside = self._on_disk.paths
+            if path is None or (now := await asyncio.to_thread(_stamps, path, beside)) == self._stamp:
                 return
-            self._stamp = now
             try:
-                found = await asyncio.to_thread(read, path)
+                found, self._stamp = await asyncio.to_thread(self._read, path)
             except UsageError as error:
+                self._stamp = now
                 self._send(notice("warning", f"{self.name} has changed on disk: {error}"))
                 return
             if found.digest == self._on_disk.digest:
                 return
+            if not found.digest:
+                # What it was stays known: a tool that saves may remove it for a moment.
+                self._send({"type": "file_changed", "name": self.name, "digest": ""})
+                self._on_disk = found._replace(task=self.task)
+                return
             self._on_disk = found
-            message = {"type": "file_changed", "name": self.name, "digest": found.digest}
-            self._send({**message, "text": found.text} if found.digest else message)
+            self._send({"type": "file_changed", "name": self.name, **_shown(found)})
 
     async def close(self) -> None:
         """Keep the unsaved text."""
@@ -199,6 +225,19 @@ class OpenFile:
         except OSError as error:
             self._send(notice("warning", f"an old draft stays: {error.strerror or error}"))
         self._drafted, self._offered = None, ""
+
+
+def _stamps(path: Path, beside: tuple[Path, ...] = ()) -> tuple[object, ...]:
+    return tuple(stamp(each) for each in beside or (path,))
+
+
+def _shown(found: Found) -> dict[str, Any]:
+    """Return a file as messages have it."""
+    message: dict[str, Any] = {"text": found.text, "digest": found.digest}
+    if (task := found.task) is not None:
+        script = None if task.program is None else task.program.script
+        message["tree"] = tree(script)
+    return message
 
 
 def _with_lf(text: str) -> str:

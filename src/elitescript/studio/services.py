@@ -28,6 +28,7 @@ from elitescript.assist import (
     tokens,
 )
 from elitescript.assist.document import Document, Settings
+from elitescript.assist.generated import refusal, task_of
 from elitescript.assist.hover import hover
 from elitescript.assist.last_run import LastRun
 from elitescript.assist.typing_edits import typing_edits
@@ -44,6 +45,7 @@ from elitescript.lint.program import Span
 from elitescript.messages.profile import PROFILES
 from elitescript.messages.signals import SIGNALS
 from elitescript.models.model import load_model, model_names
+from elitescript.paths import PROGRAM_SUFFIX
 from elitescript.records import NamedTuple, fields_of
 from elitescript.studio.files import stamp
 from elitescript.studio.meshes import Meshes
@@ -54,6 +56,9 @@ EXAMPLES: Final = Path(__file__).parent / "examples"
 
 _CHOICES: Final = (("robot", "model"), ("firmware", "firmware"))
 """Options of a run, and those of a robot that they are."""
+
+PROGRAM_NAME: Final = f"program{PROGRAM_SUFFIX}"
+"""Name of a text that people edit."""
 
 _LINES_MAX: Final = 10_000_000
 
@@ -102,22 +107,23 @@ class Desk:
     __slots__ = ("_document", "_given", "_meshes", "last_run")
 
     def __init__(self, given: Mapping[str, Any], meshes: Meshes | None = None) -> None:
-        self._document = Document("program.script", "", -1)
+        self._document = Document(PROGRAM_NAME, "", -1)
         self._given = given
         self._meshes = meshes
         self.last_run: LastRun | None = None
 
-    def put(self, version: int, text: str, settings: Settings) -> None:
+    def put(self, version: int, text: str, settings: Settings, name: str = PROGRAM_NAME) -> None:
         """Take a text; one that is older than the newest is left out."""
         old = self._document
-        if version < old.version or (version == old.version and text == old.text and settings == old.settings):
+        is_other = name != old.name or settings != old.settings
+        if version < old.version or (version == old.version and text == old.text and not is_other):
             return
         # A page has neither of these marks; with them, rows and places would be counted in other ways.
         is_plain = not any(mark in each for mark in ("\r", BOM) for each in (old.text, text))
-        if is_plain and settings == old.settings:
+        if is_plain and not is_other:
             self._document = old.edited(_edits(old, text), version)
         else:
-            self._document = Document(old.name, text, version, settings)
+            self._document = Document(name, text, version, settings)
 
     def answer(self, service: str, version: int, place: Place) -> Any:
         """Return the answer of a service, as JSON has it.
@@ -125,6 +131,8 @@ class Desk:
         Raises:
             UsageError: it cannot be answered.
         """
+        if service in _OF_EDITS and (task := task_of(self._document.name)):
+            raise UsageError(refusal(task))
         if service in _OF_TEXTS and version != self._document.version:
             raise UsageError(f"the text has changed: it is version {self._document.version}, not {version}")
         return plain(_SERVICES[service](self, place))
@@ -250,6 +258,9 @@ _OF_TEXTS: Final[dict[str, Callable[[Desk, Place], Any]]] = {
 }
 """Services whose answer holds for one version of the text only."""
 
+_OF_EDITS: Final = frozenset(("references", "rename", "format"))
+"""Services of texts that people edit; of one that is generated they say where its source is."""
+
 _SERVICES: Final[dict[str, Callable[[Desk, Place], Any]]] = {
     **_OF_TEXTS,
     "resolve": Desk._resolve,
@@ -281,10 +292,17 @@ class EditorServices:
         self._world = world
         self._thread = ThreadPoolExecutor(1, "editor services")
 
-    def put(self, version: int, text: str, given: Mapping[str, Any], world: Path | None) -> None:
+    def put(
+        self,
+        version: int,
+        text: str,
+        given: Mapping[str, Any],
+        world: Path | None,
+        name: str = PROGRAM_NAME,
+    ) -> None:
         """Take a new text, with the options that it is run with; what the page leaves out is as at the start."""
         options = {**self._given, **given}
-        self._thread.submit(self._put, version, text, options, world or self._world)
+        self._thread.submit(self._put, version, text, options, world or self._world, name)
 
     def ran(self, last: LastRun) -> None:
         """Take what editors show of the last run."""
@@ -306,8 +324,8 @@ class EditorServices:
         """End the thread, when it has answered what it is at; what waits is dropped."""
         self._thread.shutdown(wait=False, cancel_futures=True)
 
-    def _put(self, version: int, text: str, options: Mapping[str, Any], world: Path | None) -> None:
-        self._desk.put(version, text, self._settings_for(options, world))
+    def _put(self, version: int, text: str, options: Mapping[str, Any], world: Path | None, name: str) -> None:
+        self._desk.put(version, text, self._settings_for(options, world), name)
 
     def _settings_for(self, options: Mapping[str, Any], world: Path | None) -> Settings:
         """Return what a text is written for; files are read again when they have changed."""

@@ -22,7 +22,7 @@ from elitescript.paths import PROGRAM_SUFFIX, is_program_name, real_path
 from elitescript.studio.connected.controller import ConnectedController
 from elitescript.studio.connected.source import ConnectedSource
 from elitescript.studio.connected.target import Target
-from elitescript.studio.files import Programs, read
+from elitescript.studio.files import Programs, read_any
 from elitescript.studio.live.engine import Setting
 from elitescript.studio.live_source import LiveSource
 from elitescript.studio.memory import Memory, state_folder
@@ -51,7 +51,7 @@ def workplace(path: str | None, given: Mapping[str, Any], world: str | None, urd
     """
     programs = None if path is None else Programs(Path(path))
     if programs is not None and programs.only is not None:
-        found = read(programs.path(programs.only))
+        found = read_any(programs.path(programs.only), programs.folder)
         if not found.digest and not is_program_name(programs.only):
             raise UsageError(f"{path}: there is no such file or folder; a new program is a {PROGRAM_SUFFIX} file")
     load_model(robot_options(given, {} if world is None else load_world_file(world).options).model)

@@ -15,16 +15,19 @@ from typing import Any, Final, Protocol
 from elitescript.conversation.describe import notice, refused
 from elitescript.conversation.fields import MessageError
 from elitescript.conversation.messages import Open, Program, Save, Service, Settings, ToSource, ask_of, read_message
+from elitescript.conversation.trees import with_task
 from elitescript.errors import UsageError
 from elitescript.models.datafile import check_name
-from elitescript.models.model import is_model_file
+from elitescript.models.model import is_model_file, model_names
+from elitescript.paths import PROGRAM_SUFFIX
 from elitescript.records import NamedTuple, replace
 from elitescript.studio.files import Programs
 from elitescript.studio.last_runs import LastRuns
 from elitescript.studio.memory import Memory
 from elitescript.studio.meshes import Meshes
 from elitescript.studio.opened import OpenFile
-from elitescript.studio.services import EditorServices, Place
+from elitescript.studio.services import PROGRAM_NAME, EditorServices, Place
+from elitescript.world_file import names_arm
 
 WAITING_MAX: Final = 64
 """Requests to editor services that wait for an answer; further ones are refused."""
@@ -174,21 +177,35 @@ class Session:
             check_name(robot)
         if robot is not None and is_model_file(robot):
             robot = str(self._inside(robot))
-        self._opened.edited(message.text)
+        file = self._opened
+        if robot is None:
+            robot = self._arm_of(file, world)
+        file.edited(message.text)
         self._last_runs.program(message.version, message.text)
         options = {"model": robot, "firmware": given.firmware}
         chosen = {name: value for name, value in options.items() if value is not None}
-        self._services.put(message.version, message.text, chosen, world)
+        name = PROGRAM_NAME if file.task is None else f"{file.name}{PROGRAM_SUFFIX}"
+        self._services.put(message.version, message.text, chosen, world, name)
         if self._is_checked_here:
             self._let(None, self._check, message.version)
         else:
             located = replace(given, robot=robot, world=given.world if world is None else str(world))
             await self._source.take(replace(message, options=located))
 
+    def _arm_of(self, file: OpenFile, world: Path | None) -> str | None:
+        """Return the arm for which a graphical program was made, if nothing names another one."""
+        task = file.task
+        if task is None or task.program is None or "model" in self._place.given:
+            return None
+        beside = world or self._place.world
+        if task.program.arm not in model_names() or (beside is not None and names_arm(beside)):
+            return None
+        return task.program.arm
+
     async def _check(self, version: int) -> None:
         for are_all in (False, True):
             if (found := await self._services.problems(version, are_all=are_all)) is not None:
-                self._send(found)
+                self._send(with_task(found, self._opened.task))
 
     async def _answer(self, asked: Service) -> None:
         try:

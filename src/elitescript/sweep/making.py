@@ -23,6 +23,7 @@ from elitescript.sweep.chaos.profile import is_profile_file, profile_named, read
 from elitescript.sweep.failures.cases import is_case
 from elitescript.sweep.plans.plan import Plan, Variation
 from elitescript.sweep.plans.python_files import python_texts
+from elitescript.sweep.plans.trees import tree_data
 from elitescript.sweep.plans.variations import check_names, grid_size
 from elitescript.sweep.results.page import REPLAYS
 from elitescript.sweep.results.table_files import is_of_sweep
@@ -72,6 +73,7 @@ def make_plan(
     step_s: float | None = None,
     has_margins: bool = False,
     without_files: Collection[Path] = (),
+    is_generated: bool = False,
 ) -> Plan:
     """Return the plan of a sweep.
 
@@ -89,6 +91,7 @@ def make_plan(
         chaos: name of a profile, or the path of a profile file.
         step_s: time between two rows that properties over time see, s; each tick if None.
         has_margins: whether rows have the margin of each property.
+        is_generated: of a graphical program, run the script that the pendant has written beside it.
         without_files: that are left out of the task folder: the results themselves; so are cases and replays.
 
     Raises:
@@ -98,7 +101,7 @@ def make_plan(
     check_names(variations)
     if until_s is not None:
         accepted(UNTIL, until_s, "--until")
-    source = source_of(program, task_dir)
+    source = source_of(program, task_dir, is_generated=is_generated)
     is_file = not source.name.startswith("<")
     path = Path(source.name)
     python: dict[str, str] = {}
@@ -112,7 +115,7 @@ def make_plan(
         if "model" not in chosen and isinstance(robot, dict) and isinstance(name := robot.get("model"), str):
             own = Path(world).parent / name
             chosen["model"] = str(own) if own.suffix == ".toml" else name
-    if "model" not in chosen and is_file and (arm := arm_of_program(path, world)):
+    if "model" not in chosen and is_file and (arm := arm_of_program(program, world)):
         chosen["model"] = arm
     if "model" in chosen:
         chosen |= named_model(chosen["model"])[1]
@@ -125,6 +128,7 @@ def make_plan(
     plan = Plan(
         program=source.text,
         program_name=path.name if is_file else source.name,
+        tree=tree_data(source),
         files=files,
         world=text,
         world_name=Path(world).name if world is not None else "",

@@ -23,6 +23,7 @@ from elitescript.sweep.engines.here import HereEngine
 from elitescript.sweep.engines.local import LocalEngine
 from elitescript.sweep.making import make_plan, runs_of
 from elitescript.sweep.plans.plan import Row, Variation
+from elitescript.sweep.plans.trees import source_of_plan
 from elitescript.sweep.plans.variations import checked, parse_variation
 from elitescript.sweep.results.journal import Journal
 from elitescript.sweep.results.summary import Summary, summary_of
@@ -171,7 +172,10 @@ def sweep(
         files.finish(journal, sweeping.failed)
         shutil.move(files.part, result.journal)
         journal.path = result.journal
-    result.sweeping, result.summary = sweeping, summary_of(totals, is_random=is_random(plan))
+    result.sweeping, result.summary = (
+        sweeping,
+        summary_of(totals, is_random=is_random(plan), line_words=source_of_plan(plan).line_words),
+    )
     return result
 
 

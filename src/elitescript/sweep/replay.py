@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
 from elitescript.models.model import is_model_file
+from elitescript.paths import is_program_name, is_task_name
 from elitescript.properties.parsing import function_place
 from elitescript.records import NamedTuple
 from elitescript.sweep.chaos.ground import Ears
@@ -146,8 +147,11 @@ def plan_of(case: Case, folder: Path, program: Path) -> Plan:
     text = case.failure.expression
     if (place := function_place(text)) is not None:
         text = f"{folder / place[0]}:{place[1]}"
+    # Of a sweep with --generated, the program is the script beside a task, whose variables the case may name.
+    task = program.with_suffix("")
+    is_generated = is_task_name(task.name) and is_program_name(program.name) and task.is_file()
     return make_plan(
-        program,
+        task if is_generated else program,
         world=folder / case.world if case.world else None,
         task_dir=folder / case.task_dir if case.task_dir else None,
         options=options,
@@ -157,6 +161,7 @@ def plan_of(case: Case, folder: Path, program: Path) -> Plan:
         until_s=case.until_s,
         ensure=[] if text in LOST else [text],
         step_s=case.step_s,
+        is_generated=is_generated,
     )
 
 

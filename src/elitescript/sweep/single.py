@@ -22,7 +22,6 @@ from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.parser import parse
-from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_parsed
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.timing import ticks_for
@@ -39,6 +38,7 @@ from elitescript.sweep.plans.plan_json import choices_data, choices_of, plan_of,
 from elitescript.sweep.plans.program_values import MARK, put_presets
 from elitescript.sweep.plans.python_files import PythonFiles
 from elitescript.sweep.plans.seeds import seed_of_name, seed_of_run
+from elitescript.sweep.plans.trees import PREFIXES, source_of_plan
 from elitescript.sweep.plans.variations import Draw, extremes, plain_value
 from elitescript.sweep.plans.world_values import Path as Place
 from elitescript.sweep.plans.world_values import place_of, with_value
@@ -101,7 +101,9 @@ class Runner:
         self._places: dict[str, Place] = {}
         program_names: list[str] = []
         for row in plan.variations:
-            if "." in row.name:
+            if row.name.startswith(PREFIXES):
+                program_names.append(row.name)
+            elif "." in row.name:
                 self._places[row.name] = place_of(row.name, self._tables)
             elif row.name.partition("[")[0] in SIGNALS:
                 self._signal_names.append(row.name)
@@ -126,7 +128,7 @@ class Runner:
         self, names: Sequence[str], robot: VirtualRobot
     ) -> tuple[CompiledUnit, dict[str, str], tuple[Diagnostic, ...]]:
         """Return the program, the preset of each name that is varied, and warnings."""
-        source = SourceFile(self.plan.program_name, self.plan.program)
+        source = source_of_plan(self.plan)
         parsed = parse(source, robot.text_options(source))
         found = put_presets(parsed, names) if not parsed.has_errors else {}
         known = {*self._presets, *found.values()}
@@ -293,7 +295,8 @@ class Runner:
         if failed is not None:
             failure = self.chaos.failure(self._checks.properties[failed].text, results.verdicts[failed], run)
         margins = tuple(verdict.margin for verdict in results.verdicts)
-        return Row(choices, run.state, run.time_s, results.measures, digest_of(run), failure, margins), run
+        digest = digest_of(run)
+        return Row(choices, run.state, run.time_s, results.measures, digest, failure, margins, run.is_spoilt), run
 
     def ends_s(self, row: Row) -> float | None:
         """Return when a run ends that was taken to be stuck, if it has `LONGER` times as long, s; None if it does not.

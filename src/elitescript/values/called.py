@@ -264,7 +264,8 @@ class Calls(Conditions):
             plain.append(known)
             may, must = may | value.may, must | value.must
         try:
-            result = command.function(*command.bind(tuple(plain), {}))
+            bound = command.bind(tuple(plain), {})
+            result = command.function(self.profile, *bound) if command.takes_profile else command.function(*bound)
         except (ScriptError, ArithmeticError, ValueError, TypeError):
             return UNKNOWN
         if isinstance(result, tuple):

@@ -267,6 +267,9 @@ def _range(args: Sequence[Value], has_keywords: bool, site: frozenset[int]) -> V
         element = Value(INT, min(start.low, stop.low), max(start.high, stop.high))
     else:
         element = Value(INT, start.low, max(start.low, stop.high - 1))
+    if len(args) < 3:
+        shape = Shape(None, element, max(0, stop.low - start.high), max(0, stop.high - start.low))
+        return Value(RANGE, constants=(), shape=shape)
     return Value(RANGE, constants=(), shape=Shape(None, element))
 
 

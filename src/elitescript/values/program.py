@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection
 
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
 from elitescript.values.description import DEPTH_MAX, UNKNOWN, Shape, Value
 from elitescript.values.evaluation import Evaluation
 from elitescript.values.memory import Memory, StartAgain
@@ -21,6 +22,7 @@ class Values:
         presets: names of globals that have a value before the program begins.
         stop_if_outdated: called before each statement; what it raises ends the evaluation.
         memory: of the version before, from which it takes what has not changed; gets what is known of this one.
+        profile: the firmware that it is for; the newest without.
 
     Attributes:
         is_known: False if the program is nested too deep, or takes too long: then everything is unknown.
@@ -32,9 +34,10 @@ class Values:
         presets: Collection[str] = (),
         stop_if_outdated: Callable[[], object] = bool,
         memory: Memory | None = None,
+        profile: Profile = PROFILES[DEFAULT_FIRMWARE],
     ) -> None:
         self.symbols = symbols
-        self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory)
+        self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory, profile)
         self.is_known = True
         try:
             try:
@@ -42,7 +45,7 @@ class Values:
             except StartAgain:
                 assert memory is not None
                 memory.forget()
-                self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory)
+                self._evaluation = Evaluation(symbols, presets, stop_if_outdated, memory, profile)
                 self._evaluation.run()
         except (GivenUp, RecursionError):
             self.is_known = False
@@ -51,6 +54,10 @@ class Values:
     def evaluated_functions(self) -> list[str]:
         """The names of the functions that were evaluated, each as often as it was; others are as they were."""
         return [function.scope.name for function in self._evaluation.evaluated]
+
+    def release(self) -> None:
+        """Let go of what is known: functions know those that have read what they return."""
+        self._evaluation.release()
 
     def of(self, node: ast.expr) -> Value:
         """Return what an expression of the program is."""

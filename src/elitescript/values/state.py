@@ -13,6 +13,7 @@ from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.options import LINE, SCRIPT, SECONDARY
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import THREAD_STARTER, Symbols
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
 from elitescript.values.description import (
     BOTTOM,
     DICT,
@@ -75,6 +76,7 @@ class State:
         presets: names of globals that have a value before the program begins.
         stop_if_outdated: see `Values`.
         memory: what is known of the version before.
+        profile: the firmware that it is for.
 
     Attributes:
         values: what each expression is.
@@ -86,9 +88,11 @@ class State:
         presets: Collection[str] = (),
         stop_if_outdated: Callable[[], object] = bool,
         memory: Memory | None = None,
+        profile: Profile = PROFILES[DEFAULT_FIRMWARE],
     ) -> None:
         self.symbols = symbols
         self.presets = presets
+        self.profile = profile
         self._stop_if_outdated = stop_if_outdated
         self._memory = memory
         self._log: list[Entry] | None = None
@@ -148,10 +152,16 @@ class State:
         log.append(Entry(method, arguments, depth - self._base_depth, repeated, answer))
         return answer
 
+    def release(self) -> None:
+        """Let go of what functions know of each other."""
+        for function in self._functions.values():
+            function.result.readers.clear()
+
     def _circumstances(self) -> Any:
         """Return what all evaluations of the program depend on, besides its functions."""
         return (
             frozenset(self.presets),
+            self.profile.name,
             self._has_foreign_writers,
             self._is_a_part,
             self._has_interpreter,

@@ -81,6 +81,23 @@ def words(value: Value) -> str:
     return ", ".join(parts)
 
 
+_WITHOUT_ARTICLE: Final = ("None", "bytes", "joint positions", "joint speeds", "first element")
+_WIDE: Final = 2**31
+"""Ranges of whole registers say nothing in a sentence."""
+
+
+def phrase(value: Value) -> str:
+    """Return what a description says as the rest of a sentence behind `is`, such as `a pose, measured`."""
+    if value.has_constant:
+        return words(value)
+    if value.high >= _WIDE - 1 and value.low <= -_WIDE:
+        value = value.but(low=-inf, high=inf)
+    text = words(value)
+    if not text or text.startswith(_WITHOUT_ARTICLE) or not text[0].isalpha():
+        return text
+    return f"{'an' if text[0] in 'aeio' else 'a'} {text}"
+
+
 def _kinds(value: Value) -> str:
     names = [name for kind, name in _NAMES.items() if value.kinds & kind]
     role = ROLES.get(value.role, "")

@@ -13,6 +13,8 @@ from tests.lint.checking import body
         'if str_find(socket_read_string(), "OK") == False:\n  halt()\nend',
         'if socket_read_string().find("OK"):\n  halt()\nend',
         "if socket_read_ascii_float(3):\n  halt()\nend",
+        "x = read_input_integer_register(0)\nif 1 < x & x < 10:\n  halt()\nend",
+        "x = read_input_integer_register(0)\nset_flag(1, x == 1 | x == 3)",
         "x = read_input_integer_register(0)\nif x == 1 or 2:\n  halt()\nend",
         "x = read_input_integer_register(0)\nset_standard_digital_out(1, x == 1 or 2)",
         "x = read_input_integer_register(0)\nif x == 1 or 2 and get_flag(0):\n  halt()\nend",

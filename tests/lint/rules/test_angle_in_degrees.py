@@ -6,11 +6,16 @@ from tests.lint.checking import body, only, problems
 
 def test_it_is_found():
     assert body("movej([0, -90, 90, 0, 90, 0])") == ["W230 2:13"]
+    assert body("movej([r2d(1.5), 0, 0, 0, 0, 0])") == ["W230 2:10"]
+    assert body("q = get_actual_joint_positions()", "a = r2d(q[0])", "textmsg(sin(a))") == ["W230 4:15"]
+    assert body("a = d2r(90)", "textmsg(d2r(a))") == ["W230 3:15"]
+    assert body("textmsg(cos(-90))", "textmsg(rpy2rotvec([180, 0, 90]))") == ["W230 2:15", "W230 3:23"]
     assert body("rx = 180", "movel([0.4, 0, 0.3, rx, 0, 0])") == ["W230 3:23"]
 
 
 def test_what_almost_is_one_is_not_found():
     assert body("movej([0, d2r(-90), 6.28, 0, 1.57, 0])") == []
+    assert body("a = r2d(0.5) * 3.14159 / 180", "textmsg(sin(a), sin(7), cos(12.3), rpy2rotvec([3.14, 0, 0]))") == []
     assert body("movel([0.4, 0, 0.3, 6.9, 9.42478, 0])") == []
 
 

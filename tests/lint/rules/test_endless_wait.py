@@ -24,6 +24,8 @@ def test_it_is_found(lines):
 @pytest.mark.parametrize(
     "lines",
     [
+        ("x = 0", "while x != 2:", "  x = x + 0.5", "  sleep(0.1)", "end"),
+        ("x = 0", "while x < 1:", "  x = x + 0.1", "  sleep(0.1)", "end"),
         ("n = 0", "while n < 5:", "  n = n + 1", "  sync()", "end"),
         ("while not get_standard_digital_in(0):", "  sync()", "end"),
         ("running = True", "while running:", "  sleep(1)", "end"),
@@ -49,3 +51,9 @@ def test_it_is_found(lines):
 )
 def test_what_almost_is_one_is_not_found(lines):
     assert "W259" not in [problem.split()[0] for problem in body(*lines)]
+
+
+def test_a_number_that_steps_never_meet_exactly_is_found():
+    lines = ("x = 0.0", "while x != 1.0:", "  x = x + 0.1", "  sleep(0.1)", "end")
+    assert body(*lines) == ["W259 3:9"]
+    assert body("x = 1.0", "while x != 0:", "  x -= 0.1", "  sleep(0.1)", "end") == ["W259 3:9"]

@@ -22,6 +22,13 @@ from tests.lint.checking import body
             *("end", "go(socket_read_ascii_float(3))"),
         ),
         ("set_standard_analog_out(0, socket_read_ascii_float(1)[1])",),
+        ("r = socket_read_ascii_float(3)", "p = get_target_tcp_pose()", "p[0] = p[0] + r[1]", "movel(p)"),
+        ("r = socket_read_ascii_float(3)", "p = get_target_tcp_pose()", "p[0] += r[1] / 1000", "movel(p)"),
+        ("r = socket_read_ascii_float(3)", "x = 0.3", "x += r[1]", "movel([x, 0, 0.4, 3.14, 0, 0])"),
+        ("r = socket_read_ascii_float(6)", "q = []", "for i in range(6):", "  q.append(r[i + 1])", "end", "movej(q)"),
+        ("r = socket_read_ascii_float(6)", "movej([a * 0.0174 for a in r[1:]])"),
+        ("n, x, y = socket_read_ascii_float(2)", "movel([x, y, 0.4, 3.14, 0, 0])"),
+        ("p = get_target_tcp_pose()", "p[2] = socket_read_ascii_float(1)[1]", "q = p.copy()", "movel(q)"),
     ],
     ids=str,
 )
@@ -50,6 +57,20 @@ def test_it_is_found(lines):
             "write_output_integer_register(0, r[1])",
         ),
         ("r = socket_read_ascii_float(3)", "textmsg(r)"),
+        (
+            *("r = socket_read_ascii_float(3)", "p = get_target_tcp_pose()", "if r[0] == 3:", "  p[0] = p[0] + r[1]"),
+            *("end", "movel(p)"),
+        ),
+        (
+            *("r = socket_read_ascii_float(3)", "p = get_target_tcp_pose()", "movel(p)", "p[0] = r[1]"),
+            *("p = get_target_tcp_pose()", "movel(p)"),
+        ),
+        (
+            *("r = socket_read_ascii_float(1)", "p = get_target_tcp_pose()", "p[0] += r[1]"),
+            *("if p[0] > 0.2 and p[0] < 0.5:", "  movel(p)", "end"),
+        ),
+        ("n, x, y = socket_read_ascii_float(2)", "if n == 2:", "  movel([x, y, 0.4, 3.14, 0, 0])", "end"),
+        ("r = socket_read_ascii_float(2)", "movej([a for a in r[1:] if a == a] + [0, 0, 0, 0])"),
         (
             "def where():",
             "  r = socket_read_ascii_float(3)",

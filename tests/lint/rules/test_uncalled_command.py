@@ -47,6 +47,8 @@ def test_the_fix_calls_it():
         (("def ready():", "  return get_flag(1)", "end", "if ready:", "  sync()", "end"), ["W215 5:6"]),
         (("def ready():", "  return get_flag(1)", "end", "while not ready:", "  sync()", "end"), ["W215 5:13"]),
         (("def f(x=1):", "  return x", "end", "textmsg(1 if f else f(2))"), ["W215 5:16"]),
+        (("s = 'a b'.split", "textmsg(s[0])"), ["W215 2:7"]),
+        (("s = 'a'", "if s.isdigit:", "  sync()", "end"), ["W215 3:6"]),
         (("exit",), ["W215 2:3"]),
         (("input",), ["W215 2:3"]),
     ],
@@ -63,6 +65,8 @@ def test_functions_of_the_program_and_of_python_are_found(lines, expected):
         ("def f():", "  sync()", "end", "f = None", "if f:", "  f()", "end"),
         ("def job1(callback):", "  if callback:", "    callback()", "  end", "end", "job1(None)"),
         ("def f():", "  sync()", "end", "steps = [f]", "steps[0]()"),
+        ("parts = []", "add = parts.append", "add(1)", "textmsg(parts)"),
+        ("s = 'a'", "textmsg(list(map(s.count, ['a'])))"),
     ],
     ids=str,
 )

@@ -41,6 +41,7 @@ def test_results_that_nothing_uses_are_found(lines, expected):
         ("def get_part():", "  return socket_read_string()", "end", "get_part()"),
         ("gripper = rpc_factory('xmlrpc', 'http://127.0.0.1:9')", "gripper.get_state()"),
         ("n = []", "n.sort()"),
+        ("n = [1]", "n.pop()"),
         ("try:", "  int('x')", "except ValueError:", "  sync()"),
         ("try:", "  get_inverse_kin([2, 0, 0, 0, 0, 0])", "except Exception:", "  textmsg('out of reach')"),
         ("class Log:", "  def __lshift__(self, text):", "    textmsg(text)", "log1 = Log()", "log1 << 'a'"),

@@ -98,13 +98,14 @@ def no_end_of_mode(program: Program) -> Iterator[Edit]:
         if call.func.id in ("stopj", "stopl") and not _is_endless(program, statement):  # type: ignore[attr-defined]
             continue
         begun = {
-            "end_force_mode": "force_mode",
-            "stop_conveyor_tracking": "track_conveyor_linear",
-            "stopj": "servoj",
-            "stopl": "speedl",
+            "end_force_mode": ("force_mode",),
+            "stop_conveyor_tracking": ("track_conveyor_linear", "track_conveyor_circular"),
+            "stopj": ("servoj",),
+            "stopl": ("speedl",),
         }
-        name = begun.get(call.func.id, "")  # type: ignore[attr-defined]
-        yield Edit(statement, "pass", frozenset({name, "speedj"} - {""}))
+        # A report that names the step that is missing is about it.
+        missing = call.func.id  # type: ignore[attr-defined]
+        yield Edit(statement, "pass", frozenset({missing, "speedj", *begun.get(missing, ())}))
 
 
 def _is_endless(program: Program, stop: ast.stmt) -> bool:

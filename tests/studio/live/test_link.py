@@ -20,6 +20,7 @@ WHOLE = {
     "progress": {"run": 1, "t": 0},
     "run_began": {"run": 1, "version": 1},
     "lines": {"run": 1, "thread": "main", "t": [0.0, 1], "line": [1, 2]},
+    "marks": {"run": 1, "t": [0.0, 1], "node": [1, 2]},
     "moves": {"run": 1, "list": [{"line": 1, "start_s": 0.0, "end_s": 1.0}]},
     "events": {"run": 1, "list": [{"type": "log"}, {"type": "warning", "text": "a", "line": 1}]},
     "left_out": {"run": 1, "events": 1, "bytes": 2},

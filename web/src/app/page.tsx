@@ -96,7 +96,7 @@ function Panes({ studio, layout }: { studio: Studio; layout: Layout }) {
   );
   const left = (
     <div key="left" class="pane pane-left">
-      <Region studio={studio} name="program" title="region_program"><Program studio={studio} /></Region>
+      <Region studio={studio} name="program" title="region_program"><Program studio={studio} isWide={layout === "wide"} /></Region>
       {between(SIZES.problems, "horizontal", -1)}
       <Region studio={studio} name="problems" title="region_problems" badge={<ProblemBadge studio={studio} />}><Problems studio={studio} /></Region>
     </div>

@@ -12,6 +12,12 @@ export interface RunState {
   readonly isStale: boolean;
 }
 
+/** Where a run has ended: its line, or the node of a graphical program. */
+function atLine(studio: Studio, kind: "alarm" | "stuck", t: string, line: number): string {
+  const node = studio.nodeInRun(line);
+  return node === "" ? text(`state_${kind}`, { t, line }) : text(`state_${kind}_node`, { t, node });
+}
+
 const short = (t: number) => t.toFixed(1);
 
 export function runState(studio: Studio): RunState {
@@ -48,11 +54,11 @@ export function runState(studio: Studio): RunState {
     case "stopped":
       return state("none", text("state_stopped", { t }));
     case "alarm":
-      return state("error", text("state_alarm", { t: short(ended.alarm?.t ?? ended.moment.t), line: ended.alarm?.line ?? ended.moment.line }));
+      return state("error", atLine(studio, "alarm", short(ended.alarm?.t ?? ended.moment.t), ended.alarm?.line ?? ended.moment.line));
     case "time_limit":
       return state("warning", text("state_time_limit", { t }));
     case "stuck":
-      return state("error", text("state_stuck", { t, line: ended.moment.line }));
+      return state("error", atLine(studio, "stuck", t, ended.moment.line));
     case "killed":
       return state("error", text("state_killed", { why: said(ended.killed ?? "") }));
   }

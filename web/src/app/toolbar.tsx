@@ -87,7 +87,13 @@ function FileName({ studio }: { studio: Studio }) {
 
 function SaveButton({ studio, showsName }: { studio: Studio; showsName: boolean }) {
   if (!studio.can("save")) return null;
-  return <Tool name="save" icon="save" press={() => void studio.save()} showsName={showsName} hint={text("save_hint")} isDisabled={studio.isSaving.value} />;
+  const isTree = studio.tree.value !== null;
+  return (
+    <Tool
+      name="save" icon="save" press={() => void studio.save()} showsName={showsName} hint={text(isTree ? "tree_is_source" : "save_hint")}
+      isDisabled={studio.isSaving.value || isTree}
+    />
+  );
 }
 
 function Transport({ studio }: { studio: Studio }) {

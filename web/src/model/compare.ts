@@ -13,7 +13,7 @@ export function runOf(recorded: RecordedRun): Run {
   const { said } = recorded;
   const began = said.find((message) => message.type === "run_began");
   const file = said.find((message) => message.type === "file");
-  const run = new Run(began?.run ?? 0, began?.version ?? 0, began?.options ?? {}, file?.text ?? "");
+  const run = new Run(began?.run ?? 0, began?.version ?? 0, began?.options ?? {}, file?.text ?? "", file?.tree ?? null);
   run.scene = said.find((message) => message.type === "scene") ?? null;
   for (const message of said) if (message.type !== "run_ended") run.take(message);
   run.takeRows(recorded.rows);

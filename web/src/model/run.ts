@@ -1,9 +1,10 @@
 /** One run of a program as the page knows it: grows while it is computed. */
 
 import { signal } from "@preact/signals-core";
-import type { AlarmReport, Contact, CycleRow, FromSource, Moment, Move, RunEvent, RunOptions, Scene, Value } from "../source/messages.ts";
+import type { AlarmReport, Contact, CycleRow, FromSource, Moment, Move, ProgramTree, RunEvent, RunOptions, Scene, Value } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
 import { SampleTable } from "./samples.ts";
+import { innerNode, nodeOf } from "./tree.ts";
 
 export type LeftOut = Extract<FromSource, { type: "left_out" }>;
 export type RunEnded = Extract<FromSource, { type: "run_ended" }>;
@@ -30,6 +31,8 @@ export class Run {
   readonly samples = new SampleTable();
   /** By the name of the thread, `main` first. */
   readonly lines = new Map<string, ThreadLines>();
+  /** Times at which nodes of a graphical program began, by their numbers. */
+  readonly nodes = new Map<number, number[]>();
   readonly moves: Move[] = [];
   /** In the order in which they happened. */
   readonly events: RunEvent[] = [];
@@ -52,12 +55,15 @@ export class Run {
   readonly options: RunOptions;
   /** The text that ran. */
   readonly text: string;
+  /** The graphical program of which that is the script; null if it is none. */
+  readonly tree: ProgramTree | null;
 
-  constructor(number: number, version: number, options: RunOptions, text = "") {
+  constructor(number: number, version: number, options: RunOptions, text = "", tree: ProgramTree | null = null) {
     this.number = number;
     this.version = version;
     this.options = options;
     this.text = text;
+    this.tree = tree;
   }
 
   /** The last moment, once it has ended. */
@@ -83,6 +89,9 @@ export class Run {
         break;
       case "lines":
         this.pass(message.thread, message.t, message.line);
+        break;
+      case "marks":
+        this.begin(message.t, message.node);
         break;
       case "moves":
         for (const move of message.list) this.move(move);
@@ -119,6 +128,16 @@ export class Run {
   }
 
   // ---------------------------------------------------------------- questions
+
+  /** The node of a line as people say it; "" where it belongs to none. */
+  nodeAt(line: number): string {
+    return nodeOf(this.tree, line);
+  }
+
+  /** A line of the text as lists show it; in a graphical program its node stands first. */
+  shownLine(lines: readonly string[], line: number): string {
+    return [innerNode(this.nodeAt(line)), lines[line - 1]?.trim() ?? ""].filter((part) => part !== "").join("  ");
+  }
 
   /** The line of a thread at a time; 0 where there is none. */
   lineAt(t: number, thread = "main"): number {
@@ -183,6 +202,14 @@ export class Run {
       known.line.push(line[index]!);
     }
     this.lines.set(thread, known);
+  }
+
+  private begin(times: readonly number[], nodes: readonly number[]): void {
+    nodes.forEach((node, index) => {
+      const known = this.nodes.get(node);
+      if (known === undefined) this.nodes.set(node, [times[index]!]);
+      else known.push(times[index]!);
+    });
   }
 
   private move(move: Move): void {

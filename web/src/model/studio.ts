@@ -2,7 +2,7 @@
 
 import { computed, signal } from "@preact/signals-core";
 import type {
-  Ability, ControlAction, ControllerState, FromSource, Json, Moment, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
+  Ability, ControlAction, ControllerState, FromSource, Json, Moment, ProgramTree, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
 } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
 import { fromBase64, readRecording } from "../source/recording.ts";
@@ -18,6 +18,7 @@ import { Typing } from "./redraws.ts";
 import { Refused, Requests, type Request } from "./requests.ts";
 import { Run, type RunEnded } from "./run.ts";
 import { Settings } from "./settings.ts";
+import { nextBegin, nodeOf, rowOf } from "./tree.ts";
 import { WINDOW_S } from "./view.ts";
 
 export type { Display } from "./units.ts";
@@ -162,7 +163,7 @@ export class Studio implements Listener {
     () => (this.link.value === "lost" ? words("link_lost") : null),
   );
   /** Texts by version, of which a run may begin. */
-  private readonly told = new Map<number, string>();
+  private readonly told = new Map<number, { readonly text: string; readonly tree: ProgramTree | null }>();
   private readonly watching: () => void;
   private nextNotice = 1;
   /** The time that people chose: the cursor is there as soon as the run is that long; Infinity: at its end. */
@@ -240,6 +241,36 @@ export class Studio implements Listener {
     return file !== null && (file.is_new === true ? this.text.value !== "" || file.text !== "" : this.text.value !== file.text);
   });
 
+  /** The graphical program of which the text is the script; null for a text that people write. */
+  readonly tree = computed(() => this.file.value?.tree ?? null);
+
+  /** Whether people edit the text. */
+  readonly canWrite = computed(() => this.can("edit") && this.tree.value === null);
+
+  /** The row of the tree that is looked at; 0: none. */
+  readonly row = signal(0);
+
+  /** The run of the text on the screen, whose lines are those of the tree; null if there is none. */
+  readonly runOfTree = computed((): Run | null => {
+    const run = this.run.value;
+    return run !== null && run.tree !== null && run.tree === this.tree.value ? run : null;
+  });
+
+  /** Rows of the tree in which threads are at the cursor; the first is that of the main thread, 0 if it is in none. */
+  readonly rowsNow = computed((): readonly number[] => {
+    const tree = this.tree.value;
+    const run = this.runOfTree.value;
+    if (tree === null || run === null) return [];
+    void run.revision.value;
+    const t = this.cursor.value;
+    const moment = this.isExact.value ? this.moment.value : null;
+    const others = [...run.lines.keys()].filter((name) => name !== "main");
+    const lines = moment !== null && moment.line > 0
+      ? [moment.line, ...moment.threads.filter(({ name }) => name !== "main").map(({ line }) => line)]
+      : run.ended?.state === "finished" && t >= run.known_s ? [] : [run.lineAt(t), ...others.map((name) => run.lineAt(t, name))];
+    return lines.map((line) => rowOf(tree, line));
+  });
+
   /** Whether the text holds nothing yet, as far as the source has said. */
   readonly isEmpty = computed(() => this.problems.value?.start !== undefined);
 
@@ -253,6 +284,16 @@ export class Studio implements Listener {
     return isRefused || this.isOverdue.value ? firstChange(run.text, this.text.value) : 0;
   });
 
+  /** The node of a line of the present text, as people say it; "" where it is no graphical program. */
+  nodeAt(line: number): string {
+    return nodeOf(this.tree.value, line);
+  }
+
+  /** The same of a line of the text that ran. */
+  nodeInRun(line: number): string {
+    return this.run.value?.nodeAt(line) ?? "";
+  }
+
   /** The run that is known at a time: while the newest is not that far, the one before, which is stale there. */
   runAt(t: number): Run | null {
     const run = this.run.value;
@@ -264,6 +305,7 @@ export class Studio implements Listener {
 
   /** Takes a new text of the editor. */
   edit(text: string): void {
+    if (this.tree.value !== null) return;
     if (text === this.text.value && this.version.value > 0) return;
     this.typing.key(performance.now());
     this.text.value = text;
@@ -285,6 +327,10 @@ export class Studio implements Listener {
   async save(): Promise<boolean> {
     const file = this.file.value;
     if (file === null || !this.can("save") || this.isSaving.value) return false;
+    if (file.tree !== undefined) {
+      this.notice("information", words("tree_is_source"));
+      return false;
+    }
     const text = this.text.value;
     this.isSaving.value = true;
     try {
@@ -560,6 +606,17 @@ export class Studio implements Listener {
     if (t != null) this.jump(t);
   }
 
+  /** What a click on a row of the tree does: it is looked at, and the cursor goes to its next begin, after the last to its first. */
+  visitRow(row: number): void {
+    const tree = this.tree.value;
+    const run = this.runOfTree.value;
+    const again = this.row.value === row;
+    this.row.value = row;
+    if (tree === null || run === null || this.can("live")) return;
+    const t = nextBegin(tree, run, row, again ? this.cursor.value : -1);
+    if (t !== null) this.jump(t);
+  }
+
   /** Points at a time, a line or both, without moving anything; null: at nothing. */
   point(hover: Hover | null): void {
     this.hover.value = hover;
@@ -722,7 +779,7 @@ export class Studio implements Listener {
     // A text is kept as a draft of the file that the source has open.
     this.isUntold = this.awaitsFile;
     if (!this.can("edit") || this.awaitsFile) return;
-    this.told.set(this.version.value, this.text.value);
+    this.told.set(this.version.value, { text: this.text.value, tree: this.tree.value });
     if (this.told.size > TOLD_MAX) this.told.delete(this.told.keys().next().value!);
     this.transmit({ type: "program", version: this.version.value, text: this.text.value, options: this.options.value });
   }
@@ -742,10 +799,11 @@ export class Studio implements Listener {
     }
     if (isAgain) {
       // After a lost link: the text of the page is newer than what the source has kept.
-      if (file.digest !== was.digest) this.takeChange({ type: "file_changed", name: file.name, text: file.text, digest: file.digest });
+      if (file.digest !== was.digest) this.takeChange({ type: "file_changed", name: file.name, text: file.text, digest: file.digest, ...(file.tree === undefined ? {} : { tree: file.tree }) });
       return;
     }
     this.file.value = file;
+    this.row.value = 0;
     this.conflict.value = null;
     this.draftAt.value = null;
     const { draft } = file;
@@ -775,7 +833,12 @@ export class Studio implements Listener {
   private takeChange(change: Extract<FromSource, { type: "file_changed" }>): void {
     const file = this.file.value;
     if (file === null || file.name !== change.name || change.digest === file.digest) return;
-    if (change.text === undefined) {
+    if (change.tree !== undefined && change.text !== undefined) {
+      this.takeTree({ ...file, text: change.text, digest: change.digest, tree: change.tree });
+    } else if (change.text === undefined && file.tree !== undefined) {
+      // What it was is still shown: a tool that writes it may take it away for a moment.
+      this.notice("warning", words("file_gone", { name: file.name }));
+    } else if (change.text === undefined) {
       this.settleFile({ ...file, text: "", digest: change.digest, is_new: true });
       this.notice("warning", words("file_gone", { name: file.name }));
     } else if (this.text.value === change.text) {
@@ -789,6 +852,15 @@ export class Studio implements Listener {
     }
   }
 
+  /** Another tool has written the task: its script runs again. */
+  private takeTree(file: FileInfo): void {
+    this.file.value = file;
+    this.row.value = Math.min(this.row.value, file.tree!.rows.length);
+    this.text.value = file.text;
+    this.changed();
+    this.notice("information", words("file_read_again", { name: file.name }));
+  }
+
   private settleFile(file: FileInfo): void {
     const { draft: _, ...known } = file;
     this.file.value = known;
@@ -800,9 +872,10 @@ export class Studio implements Listener {
     const last = this.run.value ?? this.parked;
     this.parked = null;
     // By the time that it begins the text may be another one.
-    const text = this.told.get(message.version) ?? (message.version === this.version.value ? this.text.value : (last?.text ?? ""));
+    const present = { text: this.text.value, tree: this.tree.value };
+    const { text, tree } = this.told.get(message.version) ?? (message.version === this.version.value ? present : (last ?? { text: "", tree: null }));
     for (const version of this.told.keys()) if (version < message.version) this.told.delete(version);
-    const run = new Run(message.run, message.version, message.options, text);
+    const run = new Run(message.run, message.version, message.options, text, tree);
     const before = this.before.value;
     // A run that was replaced early shows less than the one before it.
     const fuller = last !== null && (last.ended !== null || before === null || last.known_s >= before.known_s) ? last : before;

@@ -205,6 +205,19 @@ export interface Contact {
   readonly points?: readonly [readonly [number, number, number], readonly [number, number, number]];
 }
 
+/** A node of a graphical program, in English; its number is that of its place in the list, from 1. */
+export interface TreeRow { readonly level: number; readonly kind: string; readonly name: string; readonly summary: string; readonly is_suppressed: boolean }
+
+/** A graphical program, whose script is the text. */
+export interface ProgramTree {
+  /** Empty where the file is no task, and the text shows it as it is; and in recordings, which know no tree. */
+  readonly rows: readonly TreeRow[];
+  /** For each line of the text a number of `places`: that of its row, if there are rows; 0: it belongs to no node. */
+  readonly lines: readonly number[];
+  /** Places as people say them, such as `4 MoveJ > 5 W1`; the first is empty. */
+  readonly places: readonly string[];
+}
+
 export type LeftOut = { readonly [severity in Problem["severity"]]?: number };
 
 export type FromSource =
@@ -216,10 +229,10 @@ export type FromSource =
       readonly programs?: readonly string[] }
   | Scene
   /** The file that is open. `draft`: text that was never saved, and of which file text it is a draft. */
-  | { readonly type: "file"; readonly name: string; readonly text: string; readonly digest: string; readonly is_new?: boolean;
+  | { readonly type: "file"; readonly name: string; readonly text: string; readonly digest: string; readonly is_new?: boolean; readonly tree?: ProgramTree;
       readonly draft?: { readonly text: string; readonly seen: string; readonly at: string } }
   /** The file has changed on disk (or is gone: no text). */
-  | { readonly type: "file_changed"; readonly name: string; readonly text?: string; readonly digest: string }
+  | { readonly type: "file_changed"; readonly name: string; readonly text?: string; readonly digest: string; readonly tree?: ProgramTree }
   | { readonly type: "saved"; readonly ask: number; readonly digest: string }
   /** `rules`: how many were checked. `start`: the text holds nothing yet, and no run comes; the robot as a run would begin.
    * `left_out`: how many more findings there are, by severity. */
@@ -233,6 +246,8 @@ export type FromSource =
   | { readonly type: "left_out"; readonly run: number; readonly events: number; readonly bytes: number; readonly from_s: number }
   /** Further begins of stretches of a thread in a line; line 0: there is no such thread. Each lasts until the next. */
   | { readonly type: "lines"; readonly run: number; readonly thread: string; readonly t: readonly number[]; readonly line: readonly number[] }
+  /** Further times at which nodes of a graphical program began: numbers of rows of the tree. */
+  | { readonly type: "marks"; readonly run: number; readonly t: readonly number[]; readonly node: readonly number[] }
   | { readonly type: "moves"; readonly run: number; readonly list: readonly Move[] }
   | { readonly type: "cycle"; readonly run: number; readonly table: readonly CycleRow[] }
   | { readonly type: "contacts"; readonly run: number; readonly list: readonly Contact[] }

@@ -6,7 +6,6 @@ import os
 import re
 from pathlib import Path, PurePath
 from typing import Any, Final
-from urllib.parse import quote
 
 from elitescript import __version__
 from elitescript.cli.output.screen import palette_of, rendered
@@ -121,17 +120,20 @@ class GithubReport(CheckReport):
         self._line(f"::notice {place},title={repair.code}::{_message(f'repaired: {repair.title}')}")
 
     def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
-        fields: dict[str, str | int] = {"file": self._place(checked), "line": problem.line, "col": problem.column}
-        fields["endLine"] = problem.end_line
-        if problem.end_line == problem.line:
-            fields["endColumn"] = problem.end_column
+        fields: dict[str, str | int] = {"file": self._place(checked)}
+        if checked.source.places:
+            fields["line"] = checked.source.file_line(problem.line)
+        else:
+            fields |= {"line": problem.line, "col": problem.column, "endLine": problem.end_line}
+            if problem.end_line == problem.line:
+                fields["endColumn"] = problem.end_column
         fields["title"] = f"{problem.code} {CODES[problem.code].title}" if problem.code else "elitescript"
-        text = f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text
+        text = _with_node(problem, checked.source)
         place = ",".join(f"{name}={_property(str(value))}" for name, value in fields.items())
         self._line(f"::{_COMMANDS[problem.severity]} {place}::{_message(text)}")
 
     def unfinished(self, checked: CheckedFile, line: int, text: str) -> None:
-        place = f"file={_property(self._place(checked))},line={max(1, line)}"
+        place = f"file={_property(self._place(checked))},line={max(1, checked.source.file_line(line))}"
         self._line(f"::error {place},title=not finished::{_message(text)}")
 
     def _place(self, checked: CheckedFile) -> str:
@@ -155,13 +157,18 @@ class SarifReport(CheckReport):
         if problem.code and problem.code not in self._codes:
             self._codes.append(problem.code)
         artifact = self._artifact(checked)
-        text = encodable(f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text)
+        text = encodable(_with_node(problem, checked.source))
         region = _region(problem.line, problem.column, problem.end_line, problem.end_column)
+        if checked.source.places:
+            region = {"startLine": checked.source.file_line(problem.line)}
+        location: dict[str, Any] = {"physicalLocation": {"artifactLocation": artifact, "region": region}}
+        if node := checked.source.place(problem.line):
+            location["logicalLocations"] = [{"fullyQualifiedName": encodable(node)}]
         result: dict[str, Any] = {
             **({"ruleId": problem.code, "ruleIndex": self._codes.index(problem.code)} if problem.code else {}),
             "level": _LEVELS[problem.severity],
             "message": {"text": _plain(text)},
-            "locations": [{"physicalLocation": {"artifactLocation": artifact, "region": region}}],
+            "locations": [location],
             # In another language a reader makes the text of these.
             "properties": _encodable({**parts_of(problem.text), **parts_of(problem.hint, "hint_")}),
         }
@@ -172,7 +179,7 @@ class SarifReport(CheckReport):
     def unfinished(self, checked: CheckedFile, line: int, text: str) -> None:
         location: dict[str, Any] = {"artifactLocation": self._artifact(checked)}
         if line:
-            location["region"] = {"startLine": line}
+            location["region"] = {"startLine": checked.source.file_line(line)}
         notification = {"level": "error", "message": {"text": _plain(encodable(text))}}
         self._unfinished.append(notification | {"locations": [{"physicalLocation": location}]})
 
@@ -196,6 +203,8 @@ class SarifReport(CheckReport):
 
     def _artifact(self, checked: CheckedFile) -> dict[str, Any]:
         if checked.is_stream:
+            from urllib.parse import quote
+
             return {"uri": quote(checked.name.strip("<>"))}
         return artifact_location(from_root(checked.name, self._root))
 
@@ -218,6 +227,12 @@ _COMMANDS: Final = {Severity.ERROR: "error", Severity.WARNING: "warning", Severi
 
 def _count(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _with_node(problem: Diagnostic, source: SourceFile) -> str:
+    """Return text and hint of a problem, behind the node of a graphical program in which it is."""
+    text = f"{source.line_words(problem.line)}: {problem.text}" if source.places else problem.text
+    return f"{text}\nhint: {problem.hint}" if problem.hint else text
 
 
 def _message(text: str) -> str:
@@ -243,6 +258,8 @@ def artifact_location(path: PurePath) -> dict[str, str]:
     """
     if path.is_absolute():
         return {"uri": path.as_uri()}
+    from urllib.parse import quote
+
     # Names are bytes, which need not be UTF-8. A colon in the first part would be read as a scheme.
     return {"uri": quote(os.fsencode(path.as_posix())), "uriBaseId": _ROOT}
 

@@ -196,11 +196,11 @@ class TextRunReport:
         elif isinstance(event, SignalChanged):
             if "signals" in self._logs:
                 name = shown_word(event.name)
-                by = event.by if event.by != "program" or not event.line else f"line {event.line}"
+                by = event.by if event.by != "program" or not event.line else self._source.line_words(event.line)
                 self._line(event.tick, f"[signal] {name} = {shown(str(event.value))} ({shown_word(by)})")
         elif isinstance(event, ChannelActivity) and "channels" in self._logs:
             data = f" {event.data!r}" if event.data else ""
-            where = f" (line {event.line})" if event.line else ""
+            where = f" ({self._source.line_words(event.line)})" if event.line else ""
             self._line(event.tick, shown(f"[{event.kind} {event.channel!r}] {event.what}{data}{where}"))
 
     def _warned(self, event: Warned) -> None:
@@ -213,6 +213,12 @@ class TextRunReport:
         if event.hint:
             print(self._palette.paint("hint", f"{'':14}hint: {shown(event.hint)}"), file=self._err)
 
+    def _words(self, line: int, node: str) -> str:
+        """Return a line in words; of a program that stands elsewhere, its event says the node."""
+        if node and not self._source.places:
+            return f"{shown(node)} (script line {line})"
+        return self._source.line_words(line)
+
     def _line(self, tick: int, text: str) -> None:
         """Write a line of standard output; the texts in it have been shown."""
         self._write_line(f"{seconds(tick):10.3f} s  {text}\n")
@@ -223,7 +229,8 @@ class TextRunReport:
 
     def _alarm(self, alarm: Alarm) -> None:
         thread = "" if alarm.thread in ("", "main") else f", thread {shown_word(alarm.thread)}"
-        where = f" in {self._source.line_words(alarm.line)}{thread}" if alarm.line else thread
+        words = self._words(alarm.line, str(alarm.details.get("node", "")))
+        where = f" in {words}{thread}" if alarm.line else thread
         paint = self._palette.paint
         kind = paint("alarm", f"ALARM {shown_word(alarm.code)}")
         self._problem(alarm.tick, f"{kind}{where}: {shown_word(alarm.class_name)}: {shown(alarm.text)}")
@@ -256,14 +263,17 @@ class TextRunReport:
         self._out.flush()
         if run.state not in ("finished", "alarm"):
             for thread in run.threads:
-                print(f"{'':14}{shown_word(thread.name)}: line {thread.line}, {shown(thread.doing)}", file=self._err)
+                where = self._source.line_words(thread.line)
+                print(f"{'':14}{shown_word(thread.name)}: {where}, {shown(thread.doing)}", file=self._err)
         late = f"; {overruns} ticks began late" if overruns else ""
         # What has errors or warnings is not green, though it has finished.
         role = "finished" if run.is_clean else "alarm" if run.state == "alarm" else "warning"
         verdict = run.verdict.replace("stopped", "interrupted", 1) if is_interrupted else run.verdict
         state = palette_of(self._out).paint(role, verdict)
         spoilt = ", which --strict does not allow" if is_strict and run.is_spoilt else ""
-        print(f"{run.time_s:10.3f} s  {state}{spoilt} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+        print(
+            f"{run.time_s:10.3f} s  {state}{spoilt} (robot time; {wall_s:.2f} s on this computer{late})", file=self._out
+        )
 
     def finish(self) -> None:
         """Complete the report, also of a program that was refused."""
@@ -283,4 +293,4 @@ def _where(robot: VirtualRobot, wall_s: float) -> str:
         for thread in robot.explained_threads()
     )
     hint = "(Ctrl-C ends it, --until limits it)"
-    return f"{robot.time_s:10.3f} s  still running after {wall_s:.0f} s of yours: {threads} {hint}"
+    return f"{robot.time_s:10.3f} s  still running after {wall_s:.0f} s on this computer: {threads} {hint}"

@@ -26,13 +26,15 @@ def docstring_of(owner: Callable[..., Any] | ModuleType) -> str:
 @cache
 def _written_in(path: str) -> Mapping[str, str]:
     """Return the docstrings of a source by the names of its functions; that of the module has no name."""
-    from ast import FunctionDef, get_docstring, parse
+    from ast import FunctionDef, Module, PyCF_ONLY_AST, get_docstring
     from pathlib import Path
 
     try:
-        module = parse(Path(path).read_bytes())
+        # Since Python 3.14 the tree has no docstrings either, unless it is asked for as without an option.
+        module = compile(Path(path).read_bytes(), path, "exec", PyCF_ONLY_AST, dont_inherit=True, optimize=0)
     except (OSError, SyntaxError, ValueError):
         return {}
+    assert isinstance(module, Module)
     functions = {node.name: get_docstring(node, clean=False) or "" for node in module.body if type(node) is FunctionDef}
     return {"": get_docstring(module, clean=False) or "", **functions}
 

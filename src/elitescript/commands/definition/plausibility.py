@@ -319,6 +319,7 @@ def _fraction(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 
 JUDGES: Final[dict[str, Judge]] = {
     "joints": _joints,
+    "roll, pitch, yaw": _joints,
     "pose": _pose,
     "tcp": _tcp,
     "centre of gravity": _centre_of_gravity,
@@ -333,6 +334,13 @@ JUDGES: Final[dict[str, Judge]] = {
     "fraction": _fraction,
 }
 """Functions that judge values, by meaning of the quantity."""
+
+COMPARED: Final = frozenset(
+    ("m", "rad", "deg", "m/s", "rad/s", "m/s^2", "rad/s^2", "s", "N", "kg", "m, rad", "m/s, rad/s")
+)
+"""Units of parameters whose values are compared with what they are."""
+OF_ANGLES: Final = frozenset(("sin", "cos", "tan"))
+"""Commands whose argument may be any angle in a run, but hardly one that is written in degrees."""
 
 KINDS: Final = ("joints", "pose")
 """Meanings that are lists of six numbers, and taken for each other."""

@@ -157,6 +157,16 @@ class Number(Quantity):
             raise self.out_of_range(value, "a number that fits a float") from None
 
 
+class AsGiven(Number):
+    """A finite number that fits a float; an int stays one."""
+
+    __slots__ = ()
+
+    def coerce(self, value: Any) -> float:
+        number = super().coerce(value)
+        return int(value) if isinstance(value, int) else number
+
+
 class Integer(Quantity):
     """An int."""
 

@@ -149,6 +149,7 @@ class Command:
         "since",
         "spellings",
         "takes_more",
+        "takes_profile",
         "takes_robot",
         "waits",
         "works_in_sec",
@@ -187,7 +188,10 @@ class Command:
         self.is_simulated = is_simulated
         self.manual = manual
         code = function.__code__
-        self.takes_robot = code.co_argcount > 0 and code.co_varnames[0] == "robot"
+        first = code.co_varnames[0] if code.co_argcount else ""
+        self.takes_robot = first == "robot"
+        self.takes_profile = first == "profile"
+        """Whether its result depends on the firmware beside its arguments."""
         self.takes_more = bool(code.co_flags & _VARIADIC)
         """Whether arguments beyond the signature are passed on as they are."""
         self._details: _Details | None = None
@@ -289,7 +293,12 @@ class Command:
         if details.judged and robot is not None and (doubts := self._doubts(robot, values)):
             robot.hold_doubts(doubts)
         try:
-            result = self.function(robot, *values) if self.takes_robot else self.function(*values)
+            if self.takes_robot:
+                result = self.function(robot, *values)
+            elif self.takes_profile:
+                result = self.function(robot.profile, *values)
+            else:
+                result = self.function(*values)
         except ScriptError as error:
             if error.command is None:
                 error.command = self.name
@@ -456,7 +465,7 @@ class _Details:
         first_default = len(names) - len(defaults)
         params = []
         for index, name in enumerate(names):
-            if index == 0 and command.takes_robot:
+            if index == 0 and (command.takes_robot or command.takes_profile):
                 continue
             quantity = _quantity(function, name)
             if quantity is None or name not in texts:
@@ -582,8 +591,8 @@ def command(
 ) -> Callable[[Function], Function]:
     """Register the decorated function as a robot command.
 
-    A first parameter called `robot` receives the `Robot` context and is not part of the script's signature;
-    `*more` receives what a call passes beyond the signature.
+    A first parameter called `robot` receives the `Robot` context, one called `profile` that of the firmware; neither is
+    part of the script's signature. `*more` receives what a call passes beyond the signature.
 
     Args:
         family: chapter of the manual; see `page.CHAPTERS`.

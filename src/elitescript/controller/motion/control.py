@@ -87,6 +87,7 @@ class MotionControl:
 
     __slots__ = (
         "_arm",
+        "_cancelled_tick",
         "_count",
         "_next",
         "_notices",
@@ -125,6 +126,8 @@ class MotionControl:
         on_end: Callable[[int, bool], None],
     ) -> None:
         self._arm = arm
+        self._cancelled_tick = -1
+        """When a move was braked because its thread has ended: a stop of the same tick says how it brakes."""
         self.limits = limits
         self._succession = MoveSequencing(arm, limits)
         self._q_rest = home
@@ -311,7 +314,9 @@ class MotionControl:
         """Brake the motion of that call, if it is under way or waits."""
         if self._next is not None and self._next.number == number:
             self._drop_next()
-        elif self._source is not None and self._source.is_awaited(number):
+        elif (source := self._source) is not None and source.is_awaited(number):
+            if isinstance(source, Move) and not source.is_stopping:
+                self._cancelled_tick = tick
             self.stop(tick)
 
     def stop(self, tick: int) -> None:
@@ -548,7 +553,7 @@ class MotionControl:
             return 0
         self._drop_next()
         if isinstance(source, Move):
-            if not source.is_stopping:
+            if not source.is_stopping or self._cancelled_tick == tick:
                 path_time_s, rate = source.path_time_s(tick), source.scale.rate(tick * PERIOD_S)
                 ramp = stop_ramp if isinstance(request, StopJ) else stop_ramp_tool
                 source.stop(tick, max(ramp(source.segment, path_time_s, rate, request.a), PERIOD_S))

@@ -81,11 +81,12 @@ def step_in_targets(adapter: Adapter, arguments: Arguments) -> Body:
 def goto_targets(adapter: Adapter, arguments: Arguments) -> Body:
     """Return earlier and later moments at which a line was about to run: going there is going in history."""
     line = adapter.client.line_from(arguments.number("line"))
-    text = adapter.sources.named(arguments.inner("source"))
-    if text is None:
+    found = adapter.debuggee.located(arguments.inner("source"), line)
+    if found is None:
         return {"targets": []}
+    text, passed = found
     now = adapter.stop.position
-    passes = [position for position in adapter.run.passes(line, text=text) if position != now]
+    passes = [position for position in adapter.run.passes(passed, text=text) if position != now]
     near = sorted(passes, key=lambda position: abs(position.statement - now.statement))[:GOTO_MAX]
     targets = []
     for position in sorted(near):

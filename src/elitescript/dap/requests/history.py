@@ -38,8 +38,8 @@ def goto(adapter: Adapter, arguments: Arguments) -> None:
 def last_pass(adapter: Adapter, arguments: Arguments) -> None:
     """Go back to the last time that a line was about to run."""
     line = adapter.client.line_from(arguments.number("line"))
-    text = adapter.sources.named(arguments.inner("source"))
-    adapter.travel(lambda session: session.last_pass(line, text=text or ""))
+    text, passed = adapter.debuggee.located(arguments.inner("source"), line) or ("", line)
+    adapter.travel(lambda session: session.last_pass(passed, text=text))
 
 
 def history(adapter: Adapter, arguments: Arguments) -> Body:

@@ -9,6 +9,7 @@ from elitescript.dap.client import ClientSettings
 from elitescript.dap.messages import REFUSED, Arguments, Body, RequestError
 from elitescript.dap.states import BEGUN, STANDING, State, WhileRunning
 from elitescript.debugger.api import ALARM_FILTER, END, Frame, Variable
+from elitescript.shown import shown
 
 FILTERS: Final = ("", "named", "indexed")
 
@@ -31,7 +32,10 @@ def stack_trace(adapter: Adapter, arguments: Arguments) -> Body:
 def _frame(adapter: Adapter, frame: Frame) -> Body:
     place = adapter.client.place(frame.line, frame.column, frame.end_line, frame.end_column)
     # Required by the protocol, also of a call without a place.
-    body: Body = {"id": frame.id, "name": frame.name, "line": 0, "column": 0, **place}
+    name = frame.name
+    if frame.source and (node := adapter.debuggee.node(frame.source, frame.line)):
+        name = f"{shown(node)}: {name}"
+    body: Body = {"id": frame.id, "name": name, "line": 0, "column": 0, **place}
     if frame.source:
         body["source"] = adapter.sources.shown(frame.source)
     return body

@@ -69,16 +69,17 @@ def _launched(adapter: Adapter, arguments: Arguments) -> Launched:
     for text in launched.advice:
         adapter.note(text, "important")
     for problem in launched.problems:
-        adapter.event("output", _finding(adapter, launched.name, problem))
+        node = launched.node(launched.name, problem.line)
+        adapter.event("output", _finding(adapter, launched.name, problem, f"{node}: " if node else ""))
     return launched
 
 
-def _finding(adapter: Adapter, program: str, problem: Diagnostic) -> Body:
+def _finding(adapter: Adapter, program: str, problem: Diagnostic, node: str = "") -> Body:
     """Return a finding of `check` as an `output` event from which the editor can jump to its place."""
     hint = f"\n    hint: {shown(problem.hint)}" if problem.hint else ""
     return {
         "category": "stderr" if problem.is_error else "console",
-        "output": f"{shown(str(problem))}{hint}\n",
+        "output": f"{shown(node)}{shown(str(problem))}{hint}\n",
         "source": adapter.sources.shown(program),
         **adapter.client.place(problem.line, problem.column),
     }

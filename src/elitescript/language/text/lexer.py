@@ -185,6 +185,14 @@ def _plain_line() -> re.Pattern[str]:
     return re.compile(rf"{inside}\n")
 
 
+LONG_TEXT: Final = 8000
+"""Characters of a text from which on plain lines are read at once."""
+
+
+def _no_plain_line(text: str, position: int) -> None:
+    """Find no plain line: each is read sign by sign, with the same result."""
+
+
 @cache
 def _blank() -> re.Pattern[str]:
     return re.compile(r"[ \t\f]*")
@@ -202,7 +210,9 @@ class TextScanner:
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self.plain: Callable[[str, int], re.Match[str] | None] = _plain_line().match
+        # Making the pattern takes as long as reading a text of that length without it.
+        is_long = len(text) >= LONG_TEXT
+        self.plain: Callable[[str, int], re.Match[str] | None] = _plain_line().match if is_long else _no_plain_line
         self.rescans = 0
         self.blank = _blank().match
         self.search = structure_pattern().search
@@ -222,6 +232,7 @@ class TextScanner:
         text, lexed = self.text, self.lexed
         blank, word, plain = self.blank, _word(name_pattern(text)).match, self.plain
         position, size = 0, len(text)
+        split = 0
         while position < size:
             found = blank(text, position)
             start = found.end() if found else position
@@ -231,14 +242,19 @@ class TextScanner:
             if first == "\n":
                 self.line += 1
                 position = start + 1
+                split = 0
             elif first == "#" or (first == "\uff03" and self._notes_comment(start)):
                 position = self._comment(start)
+                split = 0
             elif first == "\\" and text[start + 1 : start + 2] == "\n":
+                # As Python's tokenizer has it: the first blanks before a backslash indent what stands below.
+                split = split or indentation_width(text[position:start])
                 self._fill(start, start + 2, " ")
                 self.line += 1
                 position = start + 2
             else:
-                logical = LogicalLine(start, self.line, indentation_width(text[position:start]))
+                logical = LogicalLine(start, self.line, split or indentation_width(text[position:start]))
+                split = 0
                 if named := word(text, start):
                     logical.word = named.group()
                 self._begins(logical, position)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Final
 
 from elitescript.errors import ProgramError
@@ -19,6 +19,25 @@ _READS: Final = 60
 
 
 @record
+class TreeFacts:
+    """What a script does not say of the tree from which it was generated.
+
+    Attributes:
+        arm: name of the arm for which it was made; empty: it does not say it.
+        unset: variables whose lack of a value the notes of the text have told.
+        installation: variables of the installation: the name of each and that in the script.
+        task: variables of the task, in the same form.
+        file_line: returns the line of the file in which the node of a line of the script begins.
+    """
+
+    arm: str = ""
+    unset: tuple[str, ...] = ()
+    installation: tuple[tuple[str, str], ...] = ()
+    task: tuple[tuple[str, str], ...] = ()
+    file_line: Callable[[int], int] | None = field(default=None, repr=False, compare=False)
+
+
+@record
 class SourceFile:
     """Holds a text under a name.
 
@@ -29,17 +48,20 @@ class SourceFile:
         places: of the script of a graphical program, the node of each line, as people say it; empty for a line that
             belongs to none. A text that was written by hand has none at all.
         notes: what is known of the text besides: of the graphical program that it was generated from.
-        arm: name of the arm that it is for; empty: it does not say.
-        unset: variables whose lack of a value `notes` have told.
+        tree: of the script of a graphical program, what is known of its tree.
     """
 
     name: str
     text: str
     places: tuple[str, ...] = field(default=(), repr=False, compare=False)
     notes: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
-    arm: str = field(default="", repr=False, compare=False)
-    unset: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    tree: TreeFacts | None = field(default=None, repr=False, compare=False)
     lines: tuple[str, ...] = field(init=False, repr=False, compare=False)
+
+    @property
+    def arm(self) -> str:
+        """Name of the arm for which a graphical program was made; empty: it says none, or is a script."""
+        return "" if self.tree is None else self.tree.arm
 
     def __post_init__(self) -> None:
         text = self.text.removeprefix(BOM)
@@ -78,6 +100,10 @@ class SourceFile:
     def place(self, n: int) -> str:
         """Return the node of a graphical program to which the line `n` belongs; empty, if it belongs to none."""
         return self.places[n - 1] if 1 <= n <= len(self.places) else ""
+
+    def file_line(self, n: int) -> int:
+        """Return the line of the file that has the line `n`: of a graphical program, that in which its node begins."""
+        return n if self.tree is None or self.tree.file_line is None else self.tree.file_line(n)
 
     def where(self, line: int, column: int = 0) -> str:
         """Return a place as reports begin with it: `FILE:LINE:COLUMN`, or `FILE: NODE (script line LINE)`."""

@@ -2,7 +2,8 @@
 
 An input that was read once, in front of the loop, keeps that value. A loop whose condition is certainly false is a part
 that is switched off, and one with the plain condition `running` may be meant to have no end: both are left alone. A
-limit beside another condition that nothing counts towards is found too.
+limit beside another condition that nothing counts towards is found too, and a number that is counted in steps such as
+0.1, which no computer holds exactly, and waited for with `!=`.
 
     def job():
       go = get_standard_digital_in(0)
@@ -47,6 +48,7 @@ def endless_wait(program: AnalysedProgram) -> Iterator[Finding]:
         return
     for loop in program.nodes(ast.While):
         yield from _forgotten_counts(program, loop)
+        yield from _missed_numbers(program, loop)
         names = _names(loop.test)
         if (
             not names
@@ -83,6 +85,77 @@ def _forgotten_counts(program: AnalysedProgram, loop: ast.While) -> Iterator[Fin
                 condition=shown_source(program, part),
             )
             yield Finding(part, text, said("count it in the loop: {name} = {name} + ...", name=part.left.id))
+
+
+_TURNS_MAX: Final = 10_000
+"""Turns of a loop that are counted through."""
+_NEAR: Final = 1e-6
+
+
+def _missed_numbers(program: AnalysedProgram, loop: ast.While) -> Iterator[Finding]:
+    """Report `while x != 1.0` where x goes past the number in steps that are not exact."""
+    test = loop.test
+    if (
+        not isinstance(test, ast.Compare)
+        or not isinstance(test.left, ast.Name)
+        or not isinstance(test.ops[0], ast.NotEq)
+    ):
+        return
+    name, symbols = test.left, program.symbols
+    home = symbols.scope_of(name).home(name.id)
+    bindings = [] if home is None else home.bindings[name.id]
+    goal = program.values.of(test.comparators[0])
+    if len(test.ops) != 1 or len(bindings) != 2 or not goal.has_constant or goal.kinds & ~NUMBER:
+        return
+    start, step = _start(program, bindings[0].node), _step(program, bindings[1].node, loop)
+    if start is None or step is None or not step:
+        return
+    number, limit = start, goal.constant
+    for _ in range(_TURNS_MAX):
+        if number == limit:
+            return
+        if abs(number - limit) < _NEAR:
+            text = said(
+                "`{name}` comes to {number}, and never exactly to {goal}", name=name.id, number=repr(number), goal=limit
+            )
+            sign = "<" if step > 0 else ">"
+            hint = said(
+                "ask for less, with half a step of room: while {name} {sign} {goal}",
+                name=name.id,
+                sign=sign,
+                goal=repr(limit - step / 2),
+            )
+            yield Finding(test, text, hint)
+            return
+        number += step
+
+
+def _start(program: AnalysedProgram, node: ast.AST) -> float | None:
+    """Return the number that an assignment gives a variable; None if it is none."""
+    above = program.symbols.parent(node)
+    if not isinstance(above, ast.Assign) or above.targets != [node]:
+        return None
+    value = program.values.of(above.value)
+    return float(value.constant) if value.has_constant and not value.kinds & ~NUMBER else None
+
+
+def _step(program: AnalysedProgram, node: ast.AST, loop: ast.While) -> float | None:
+    """Return what each turn of a loop adds to a variable, if it does nothing else with it."""
+    above = program.symbols.parent(node)
+    if above not in loop.body or not isinstance(node, ast.Name):
+        return None
+    if isinstance(above, ast.AugAssign):
+        op, part = above.op, above.value
+    elif isinstance(above, ast.Assign) and isinstance(above.value, ast.BinOp):
+        op, part = above.value.op, above.value.right
+        if not isinstance(above.value.left, ast.Name) or above.value.left.id != node.id:
+            return None
+    else:
+        return None
+    value = program.values.of(part)
+    if not isinstance(op, (ast.Add, ast.Sub)) or not value.has_constant or value.kinds & ~NUMBER:
+        return None
+    return float(value.constant) if isinstance(op, ast.Add) else -float(value.constant)
 
 
 def _told(program: AnalysedProgram, loop: ast.While, names: list[ast.Name], values: list[Value]) -> Finding:

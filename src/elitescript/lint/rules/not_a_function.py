@@ -37,10 +37,10 @@ def not_a_function(program: AnalysedProgram) -> Iterator[Finding]:
             if not value.is_known or value.is_callable or program.is_tried(call):
                 continue
             from elitescript.values.description import NONE
-            from elitescript.values.words import words
+            from elitescript.values.words import phrase
 
             if not value.kinds & NONE and CATALOGUE.get(function.id) is None:
                 text = said(
-                    "`{function}` is {words} here, and cannot be called", function=function.id, words=words(value)
+                    "`{function}` is {words} here, and cannot be called", function=function.id, words=phrase(value)
                 )
                 yield Finding(function, text, "give the variable another name than the function")

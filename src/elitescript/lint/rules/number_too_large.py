@@ -58,7 +58,12 @@ def number_too_large(program: AnalysedProgram) -> Iterator[Finding]:
 def _truths(program: AnalysedProgram) -> Iterator[Finding]:
     """Report numbers in place of True or False."""
     for called, arguments in program.judged_calls:
-        truths = [(param, node) for param, node in arguments.given if isinstance(param.quantity, Boolean)]
+        truths = [
+            (param, node)
+            for param, node in arguments.given
+            if isinstance(param.quantity, Boolean)
+            and not (isinstance(node, ast.Constant) and isinstance(node.value, bool))
+        ]
         # With True as the number of an output, the arguments have changed places.
         if not truths or any(program.values.of(node).kinds == BOOL for _, node in arguments.given):
             continue

@@ -38,6 +38,9 @@ def unreachable_code(program: AnalysedProgram) -> Iterator[Finding]:
             if not _leaves(statement, program):
                 continue
             rest = block[index + 1 :]
+            if program.source.tree is not None:
+                # What ends the block of a node was generated; the next node begins with its mark.
+                rest = rest[next((at for at, other in enumerate(rest) if _is_mark(other)), len(rest)) :]
             first = next((other for other in rest if not _is_filler(other)), None)
             if first is None or _makes_generator(rest):
                 break
@@ -104,6 +107,11 @@ def _leaves(statement: ast.stmt, program: AnalysedProgram, depth: int = 0) -> bo
         return False
     command = CATALOGUE.get(call.func.id)
     return command is None or program.is_available(command)
+
+
+def _is_mark(statement: ast.stmt) -> bool:
+    value = statement.value if isinstance(statement, ast.Expr) else None
+    return isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id == LINE
 
 
 def _is_filler(statement: ast.stmt) -> bool:

@@ -1,7 +1,8 @@
 """A call or a calculation that is made for its result alone, and whose result is not used.
 
 Commands that read or compute (`get_...()`, `pose_trans(...)`, `str_cat(...)`) change nothing, neither their
-arguments nor the robot; so do `len`, `sorted` and the functions of `math`. A sum alone on its line is often the
+arguments nor the robot; so do `len`, `sorted`, the functions of `math`
+and the methods of texts: `s.strip()` leaves `s` as it is. A sum alone on its line is often the
 rest of a line above that was broken without brackets. Where an argument does something, the call is left alone.
 
     def job():
@@ -23,7 +24,7 @@ from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
 
 
-@rule(code="W219", since="0.2")
+@rule(code="W219", since="0.2", needs_values=True)
 def unused_result(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such statement."""
     if program.parsed.options.kind == LINE:
@@ -36,9 +37,19 @@ def unused_result(program: AnalysedProgram) -> Iterator[Finding]:
         if isinstance(value, ast.Call) and not has_effect(value, program):
             name = ast.unparse(value.func)
             text = said("`{name}` only gives a value, and this line does not use it", name=name)
-            yield Finding(value.func, text, said("write x = {name}(...), or remove the line", name=name))
+            hint = said("write x = {name}(...), or remove the line", name=name)
+            if isinstance(value.func, ast.Attribute) and _is_of_text(program, value.func):
+                owner = ast.unparse(value.func.value)
+                hint = said("a text never changes: write {owner} = {call}", owner=owner, call=ast.unparse(value))
+            yield Finding(value.func, text, hint)
         elif isinstance(value, (ast.BinOp, ast.UnaryOp)) and not has_classes and not has_effect(value, program):
             # Classes may give operators a meaning of their own.
             text = "the result of this calculation is not used"
             hint = "give it to a variable; a line that goes on with the one above needs brackets around both"
             yield Finding(value, text, hint)
+
+
+def _is_of_text(program: AnalysedProgram, method: ast.Attribute) -> bool:
+    from elitescript.values.description import TEXT
+
+    return program.values.of(method.value).kinds == TEXT

@@ -24,7 +24,7 @@ from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
 
 
-@rule(code="W218", since="0.2")
+@rule(code="W218", since="0.2", needs_values=True)
 def useless_statement(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such statement."""
     if program.parsed.options.kind == LINE:

@@ -11,6 +11,8 @@ takes whole numbers.
       for x in range(0, 1, 0.1):                  # W264: [n / 10 for n in range(10)]
         textmsg(x)
       end
+      p = get_target_tcp_pose()
+      textmsg(p.x)                                # W264: p[0]
       textmsg("parts: " + str(3))                 # fine
     end
 """
@@ -23,10 +25,12 @@ from math import inf
 from typing import Final
 
 from elitescript.language.symbols import Resolution
+from elitescript.lint.placing import conditions
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
 from elitescript.said import Said, said
 from elitescript.values.description import (
+    BOOL,
     BYTES,
     DICT,
     FLOAT,
@@ -46,10 +50,11 @@ from elitescript.values.description import (
     Value,
 )
 from elitescript.values.plain import SIGNS
-from elitescript.values.words import words
+from elitescript.values.words import phrase
 
 _SAME: Final = ((NUMBER, NUMBER), (TEXT, TEXT), (BYTES, BYTES), (LIST, LIST), (TUPLE, TUPLE))
 _NUMBERS: Final = ((NUMBER, NUMBER),)
+_WHOLE_NUMBERS: Final = ((WHOLE, WHOLE),)
 _REPEATED: Final = TEXT | BYTES | ROW
 _ANYTHING: Final = 2 * OBJECT - 1
 _ALLOWED: Final[dict[type[ast.AST], tuple[tuple[int, int], ...]]] = {
@@ -60,6 +65,11 @@ _ALLOWED: Final[dict[type[ast.AST], tuple[tuple[int, int], ...]]] = {
     ast.FloorDiv: _NUMBERS,
     ast.Mod: (*_NUMBERS, (TEXT | BYTES, _ANYTHING)),
     ast.Pow: _NUMBERS,
+    ast.BitAnd: _WHOLE_NUMBERS,
+    ast.BitOr: _WHOLE_NUMBERS,
+    ast.BitXor: _WHOLE_NUMBERS,
+    ast.LShift: _WHOLE_NUMBERS,
+    ast.RShift: _WHOLE_NUMBERS,
     ast.Lt: _SAME,
     ast.LtE: _SAME,
     ast.Gt: _SAME,
@@ -80,7 +90,7 @@ def wrong_operands(program: AnalysedProgram) -> Iterator[Finding]:
 
 def _found(program: AnalysedProgram) -> Iterator[Finding]:
     for node in program.nodes(ast.BinOp):
-        if _is_zero(node) and not program.is_tried(node):
+        if _is_zero(program, node) and not program.is_tried(node):
             yield Finding(node, said("{expression} divides by 0", expression=shown_source(program, node)), "")
             continue
         yield from _operands(program, node, node.op, node.left, node.right)
@@ -100,8 +110,71 @@ def _found(program: AnalysedProgram) -> Iterator[Finding]:
         if len(comparison.ops) == 1:
             yield from _operands(program, comparison, comparison.ops[0], comparison.left, comparison.comparators[0])
     for call in program.nodes(ast.Call):
-        if type(call.func) is ast.Name and call.func.id in ("range", "len"):
-            yield from _steps(program, call, call.func.id)
+        func = call.func
+        if type(func) is ast.Name:
+            if func.id in _COUNTING or func.id in _CONVERTING:
+                yield from _steps(program, call, func.id)
+        elif isinstance(func, ast.Attribute) and func.attr == "join":
+            yield from _joined(program, call, func)
+    if not any(isinstance(call.func, ast.Name) and call.func.id == "hasattr" for call in program.nodes(ast.Call)):
+        for owned in program.nodes(ast.Attribute):
+            if owned.attr not in _OF_PYTHON2:
+                yield from _missing(program, owned)
+
+
+_COUNTING: Final = ("range", "len")
+_CONVERTING: Final = ("float", "int", "sum")
+
+_TYPES: Final[dict[int, type]] = {
+    BOOL: bool,
+    INT: int,
+    FLOAT: float,
+    TEXT: str,
+    BYTES: bytes,
+    LIST: list,
+    TUPLE: tuple,
+    DICT: dict,
+    NONE: type(None),
+}
+_MEANT: Final = {
+    **dict.fromkeys(("length", "size", "len", "count"), "len({owner}) is how many there are"),
+    **dict.fromkeys(("push", "push_back", "add", "put", "append"), "a list takes one more with {owner}.append(x)"),
+    **dict.fromkeys(("contains", "includes", "has"), "ask `x in {owner}`"),
+    **dict.fromkeys(("substring", "substr", "mid"), "a part of a text is {owner}[first:behind_the_last]"),
+    **dict.fromkeys(("indexOf", "index_of", "indexof"), "{owner}.find(x) is the place of x, or -1"),
+    **dict.fromkeys(("toUpperCase", "to_upper"), "{owner}.upper()"),
+    **dict.fromkeys(("trim", "chomp"), "{owner}.strip()"),
+    **dict.fromkeys(("x", "y", "z", "rx", "ry", "rz", "Rx", "Ry", "Rz"), "the elements are {owner}[0] to {owner}[5]"),
+}
+"""What is meant by names that other languages have for it."""
+
+
+_OF_PYTHON2: Final = frozenset(("has_key", "iteritems", "iterkeys", "itervalues"))
+"""Names that another rule tells."""
+
+
+def _missing(program: AnalysedProgram, node: ast.Attribute) -> Iterator[Finding]:
+    """Yield a method or attribute that no value of these kinds has."""
+    if not isinstance(node.ctx, ast.Load) or node.attr.startswith("__"):
+        return
+    value = program.values.of(node.value)
+    types = [kind for bit, kind in _TYPES.items() if value.kinds & bit]
+    if not types or value.kinds & ~sum(_TYPES) or any(hasattr(kind, node.attr) for kind in types):
+        return
+    if program.is_tried(node) or not _is_built_in(value):
+        return
+    owner = ast.unparse(node.value)
+    meant = _MEANT.get(node.attr)
+    hint = "does a function return nothing?" if value.kinds == NONE else ""
+    if meant is not None and value.kinds != NONE:
+        hint = said(meant, owner=owner)
+    text = said("{what}, which has no `{name}`", what=_said(program, node.value, value), name=node.attr)
+    yield Finding(node, text, hint)
+
+
+def _is_built_in(value: Value) -> bool:
+    """Return whether a value is no object of a class of the program that is like one of Python's types."""
+    return not value.refs
 
 
 def _negated(program: AnalysedProgram, node: ast.UnaryOp) -> Iterator[Finding]:
@@ -129,6 +202,11 @@ def _indexed(program: AnalysedProgram, node: ast.Subscript) -> Iterator[Finding]
     value = program.values.of(node.value)
     if not value.kinds or program.is_tried(node):
         return
+    if isinstance(node.ctx, ast.Store) and not value.kinds & ~(TEXT | BYTES | TUPLE):
+        text = said("{what}, whose elements stay as they are", what=_said(program, node.value, value))
+        hint = "make a list of it: list(x)" if value.kinds == TUPLE else "make a new text: s[:i] + c + s[i + 1:]"
+        yield Finding(node, text, hint)
+        return
     if not value.kinds & ~NUMBER:
         text = said("{what}, and has no elements", what=_said(program, node.value, value))
         yield Finding(node, text, "")
@@ -141,15 +219,24 @@ def _indexed(program: AnalysedProgram, node: ast.Subscript) -> Iterator[Finding]
             yield Finding(node, text, "the first is 0")
 
 
-def _is_zero(node: ast.BinOp) -> bool:
+def _is_zero(program: AnalysedProgram, node: ast.BinOp) -> bool:
     right = node.right
-    is_zero = isinstance(right, ast.Constant) and type(right.value) in (int, float) and right.value == 0
-    return (
-        is_zero
-        and isinstance(node.op, _DIVIDING)
-        and not isinstance(node.left, (ast.JoinedStr, ast.List))
-        and not (isinstance(node.left, ast.Constant) and isinstance(node.left.value, (str, bytes)))
-    )
+    is_written = isinstance(right, ast.Constant) and type(right.value) in (int, float) and right.value == 0
+    if not isinstance(node.op, _DIVIDING) or not (is_written or isinstance(right, ast.Name)):
+        return False
+    if isinstance(node.left, (ast.JoinedStr, ast.List)) or program.values.of(node.left).kinds & (TEXT | BYTES):
+        return False
+    if is_written:
+        return not (isinstance(node.left, ast.Constant) and isinstance(node.left.value, (str, bytes)))
+    # A variable that is never anything else; where a condition stands around it, it may be a switch.
+    if conditions(program.symbols, node):
+        return False
+    scope = program.symbols.scope_of(node)
+    home = scope.home(right.id) if isinstance(right, ast.Name) else None
+    value = program.values.of(right)
+    if home is None or not value.has_constant or value.kinds & ~(INT | FLOAT) or value.constant != 0:
+        return False
+    return isinstance(right, ast.Name) and program.values.variable(right.id, scope).has_constant
 
 
 def _operands(
@@ -188,11 +275,15 @@ def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
             expression=shown_source(program, node),
             kind=Said("text" if value.kinds & (TEXT | BYTES) else "number"),
         )
-    return said("{expression} is {words}", expression=shown_source(program, node), words=words(value))
+    return said("{expression} is {words}", expression=shown_source(program, node), words=phrase(value))
 
 
 def _advice(op: ast.AST, one: Value, other: Value) -> str:
     both = one.kinds | other.kinds
+    if isinstance(op, ast.BitXor) and not both & ~NUMBER:
+        return "`**` is the power"
+    if isinstance(op, (ast.BitAnd, ast.BitOr)) and not both & ~NUMBER:
+        return "`and` and `or` join conditions"
     if both & TEXT and both & NUMBER:
         return "str(x) makes a text of a number" if isinstance(op, ast.Add) else "to_num(x) makes a number of a text"
     if both & BYTES and both & (NUMBER | TEXT):
@@ -205,8 +296,11 @@ def _advice(op: ast.AST, one: Value, other: Value) -> str:
 
 
 def _steps(program: AnalysedProgram, call: ast.Call, name: str) -> Iterator[Finding]:
-    """Yield arguments of `range` that are no whole numbers, and numbers that have no length."""
+    """Yield arguments of `range`, `len`, `float`, `int` and `sum` that these do not take."""
     if program.symbols.scope_of(call).resolve(name) is not Resolution.BUILTIN:
+        return
+    if name in _CONVERTING:
+        yield from _converted(program, call, name)
         return
     if name == "len":
         value = program.values.of(call.args[0]) if len(call.args) == 1 else None
@@ -216,7 +310,7 @@ def _steps(program: AnalysedProgram, call: ast.Call, name: str) -> Iterator[Find
                 said(
                     "{expression} is {words}, and has no length",
                     expression=shown_source(program, call.args[0]),
-                    words=words(value),
+                    words=phrase(value),
                 ),
                 "",
             )
@@ -235,3 +329,33 @@ def _steps(program: AnalysedProgram, call: ast.Call, name: str) -> Iterator[Find
             what = _said(program, node, value)
             yield Finding(node, said("range takes whole numbers, and {what}", what=what), hint)
             return
+
+
+def _joined(program: AnalysedProgram, call: ast.Call, method: ast.Attribute) -> Iterator[Finding]:
+    """Yield numbers that are joined as if they were texts."""
+    if len(call.args) != 1 or program.values.of(method.value).kinds != TEXT or program.is_tried(call):
+        return
+    shape = program.values.of(call.args[0]).shape
+    element = None if shape is None or shape.least < 1 else shape.any
+    if element is not None and element.is_number:
+        node = call.args[0]
+        text = said("{expression} has numbers, and join takes texts", expression=shown_source(program, node))
+        yield Finding(node, text, said("write map(str, {expression})", expression=ast.unparse(node)))
+
+
+def _converted(program: AnalysedProgram, call: ast.Call, name: str) -> Iterator[Finding]:
+    """Yield what no number can be made of: lists for `float` and `int`, texts in a list for `sum`."""
+    if len(call.args) != 1 or program.is_tried(call):
+        return
+    node = call.args[0]
+    value = program.values.of(node)
+    if name == "sum":
+        shape = value.shape
+        element = None if shape is None or shape.least < 1 else shape.any
+        if element is not None and element.kinds == TEXT:
+            text = said("{expression} has texts, and sum takes numbers", expression=shown_source(program, node))
+            yield Finding(node, text, said("write sum(map(float, {expression}))", expression=ast.unparse(node)))
+    elif value.kinds and not value.kinds & ~(ROW | DICT | SET | RANGE | NONE | FUNCTION):
+        text = said("{what}, and {name} makes no number of it", what=_said(program, node, value), name=name)
+        hint = "take an element, x[0], or go through the list: [float(a) for a in x]" if value.kinds & ROW else ""
+        yield Finding(node, text, hint)

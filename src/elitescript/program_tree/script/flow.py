@@ -54,6 +54,7 @@ def continuously(script: Script, row: Row, inside: tuple[Row, ...], head: str, t
     flag, handle = f"thread_flag_{number}", f"thread_handler_{number}"
     with script.function(f"def {helper}():", row):
         script.line(f"global {flag}", row)
+        _declared(script, row)
         if isinstance(row.node, Loop):
             with script.block("while (True):", row, is_loop=True):
                 script.body(script, inside)
@@ -156,23 +157,23 @@ def call(script: Script, row: Row) -> None:
     script.line(f"subTask_{identifier(node.name)}()", row)
 
 
-def sub_task(script: Script, row: Row, shared: tuple[str, ...]) -> None:
-    """Write a sub-task as a function; `shared` are variables that it sets and that belong to the task."""
+def sub_task(script: Script, row: Row) -> None:
+    """Write a sub-task as a function."""
     node = row.node
     assert isinstance(node, SubTask)
     with script.function(f"def subTask_{identifier(node.name)}():", row):
-        _declared(script, row, shared)
+        _declared(script, row)
         script.mark(row)
         script.body(script, row.inside)
 
 
-def thread(script: Script, row: Row, shared: tuple[str, ...]) -> None:
+def thread(script: Script, row: Row) -> None:
     """Write a thread and its start."""
     node = row.node
     assert isinstance(node, Thread)
     name = identifier(node.name) if node.name else f"Thread_{row.number}"
     with script.function(f"def {name}():", row):
-        _declared(script, row, shared)
+        _declared(script, row)
         if node.loops:
             with script.block("while (True):", row, is_loop=True):
                 script.mark(row)
@@ -183,14 +184,14 @@ def thread(script: Script, row: Row, shared: tuple[str, ...]) -> None:
     script.line(f"threadId_{name} = start_thread({name}, (), detach_mode = False)", row)
 
 
-def event(script: Script, row: Row, shared: tuple[str, ...]) -> None:
+def event(script: Script, row: Row) -> None:
     """Write an event as a thread that waits for its condition."""
     node = row.node
     assert isinstance(node, Event)
     name = identifier(node.name) if node.name else f"Event_{row.number}"
     test = script.expression(node.condition, row, "condition")
     with script.function(f"def {name}():", row):
-        _declared(script, row, shared)
+        _declared(script, row)
         with script.block("while (True):", row, is_loop=True):
             with script.block(f"if ({test}):", row):
                 script.mark(row)
@@ -201,6 +202,7 @@ def event(script: Script, row: Row, shared: tuple[str, ...]) -> None:
     script.line(f"threadId_{name} = start_thread({name}, (), detach_mode = False)", row)
 
 
-def _declared(script: Script, row: Row, names: tuple[str, ...]) -> None:
-    for name in names:
+def _declared(script: Script, row: Row) -> None:
+    """Declare the variables of the task that a function sets."""
+    for name in script.shared(row):
         script.comment(f"global {name}", row)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from typing import Final
 
+from elitescript.language.garbage import without_collection
 from elitescript.program_tree import nodes
 from elitescript.program_tree.cells import Expression, VariableCell
 from elitescript.program_tree.configuration import Configuration, GlobalVariable
@@ -53,6 +54,8 @@ class Generated:
         line_rows: the number of the row of each line; 0: the line belongs to no row.
         problems: found on the way, in the order of rows.
         unset: variables of the configuration without a value, which nodes use; the problems name them.
+        installation: variables of the configuration: the name of each and that in the script.
+        variables: those of the task, in the same form.
     """
 
     text: str
@@ -60,6 +63,8 @@ class Generated:
     line_rows: tuple[int, ...]
     problems: tuple[Problem, ...]
     unset: tuple[str, ...] = ()
+    installation: tuple[tuple[str, str], ...] = ()
+    variables: tuple[tuple[str, str], ...] = ()
 
     @property
     def errors(self) -> tuple[Problem, ...]:
@@ -80,6 +85,7 @@ def script_of(
     return generated(task, configuration, variables).text
 
 
+@without_collection
 def generated(
     task: Task, configuration: Configuration | None = None, variables: tuple[GlobalVariable, ...] | None = None
 ) -> Generated:
@@ -89,6 +95,7 @@ def generated(
     script = Script(identifier(task.name or "task"), task.name or "task", given, body)
     parts = [row for row in rows if not row.parent and not row.node.is_suppressed]
     texts = _Parts(task, parts)
+    script.shared = texts.shared
     # Bodies first: the preamble has helpers only if a node needs them.
     script.line(f"def {script.name}():")
     script.level = 1
@@ -120,7 +127,10 @@ def generated(
     if any("\n" in line for line in lines):
         # A text with an end of line inside would shift the rows of all lines behind it.
         line_rows = [row for line, row in zip(lines, line_rows, strict=True) for _ in range(line.count("\n") + 1)]
-    return Generated(text, rows, tuple(line_rows), tuple(problems), tuple(unset))
+    installation = tuple((variable.name, identifier(variable.name)) for variable in variables or ())
+    of_task = {**texts.variables, **{identifier(name): name for name in _initial_names(texts.initial)}}
+    pairs = tuple((name, known) for known, name in of_task.items())
+    return Generated(text, rows, tuple(line_rows), tuple(problems), tuple(unset), installation, pairs)
 
 
 def body(script: Script, rows: tuple[Row, ...]) -> None:
@@ -207,22 +217,26 @@ def _unset(rows: tuple[Row, ...], variables: tuple[GlobalVariable, ...]) -> dict
     return {name: row for name, row in found.items() if name not in given}
 
 
-def task_variables(task: Task) -> tuple[str, ...]:
-    """Return the variables of a task that are none of the configuration, in the order of the file."""
-    found: dict[str, None] = {}
+def task_variables(task: Task) -> dict[str, str]:
+    """Return the variables of a task that are none of the configuration, in the order of the file.
+
+    Returns:
+        Their names in the tree by those in the script.
+    """
+    found: dict[str, str] = {}
     for node in _nodes(task):
         is_global = isinstance(node, nodes.Assignment | nodes.Waypoint) and node.is_global
         name = node.variable if isinstance(node, nodes.Loop | nodes.Assignment | nodes.Waypoint) else ""
         if name and not is_global:
-            found[identifier(name)] = None
+            found.setdefault(identifier(name), name)
         for expression in _expressions(node):
             for cell in expression.cells:
                 if isinstance(cell, VariableCell) and not cell.is_global:
-                    found[identifier(cell.name)] = None
+                    found.setdefault(identifier(cell.name), cell.name)
     for node in _nodes(task):
         if isinstance(node, nodes.Timer):
             found.pop(identifier(node.variable), None)
-    return tuple(found)
+    return found
 
 
 def _counted_or_assigned(node: Node) -> str:
@@ -346,6 +360,12 @@ def _initial_values(script: Script, rows: list[Row]) -> list[tuple[str, str, Row
     return found
 
 
+def _initial_names(rows: list[Row]) -> list[str]:
+    """Return the variables that are set at each start."""
+    entries = [entry for row in rows if row.node.source is not None for entry in row.node.source.elements]
+    return [name for name, _ in map(_initial_value, entries) if name]
+
+
 def _initial_value(entry: Element) -> tuple[str, str]:
     objects = Objects()
     name = next((named for child in entry.elements if (named := variable_of(child, objects)[0])), "")
@@ -356,7 +376,7 @@ def _initial_value(entry: Element) -> tuple[str, str]:
 def _sub_tasks(script: Script, parts: _Parts) -> None:
     script.comment("# SubTask Node Preamble Script.")
     for row in parts.sub_tasks:
-        flow.sub_task(script, row, parts.shared(row))
+        flow.sub_task(script, row)
     script.comment("# Before Start Preamble Script.")
     for row in parts.before_start:
         script.mark(row)
@@ -366,10 +386,10 @@ def _sub_tasks(script: Script, parts: _Parts) -> None:
 def _threads_and_events(script: Script, parts: _Parts) -> None:
     script.comment("# Thread Node Preamble Script.")
     for row in parts.threads:
-        flow.thread(script, row, parts.shared(row))
+        flow.thread(script, row)
     script.comment("# Event Node Preamble Script.")
     for row in parts.events:
-        flow.event(script, row, parts.shared(row))
+        flow.event(script, row)
     for row in parts.others:
         signals.unknown(script, row)
 

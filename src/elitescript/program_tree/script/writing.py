@@ -48,6 +48,7 @@ class Script:
         problems: found on the way.
         move: the move around what is written now.
         body: writes the nodes of rows, one after the other.
+        shared: returns the variables of the task that a node, or one in it, sets.
     """
 
     __slots__ = (
@@ -62,6 +63,7 @@ class Script:
         "name",
         "problems",
         "rows",
+        "shared",
         "title",
     )
 
@@ -70,6 +72,7 @@ class Script:
     ) -> None:
         self.name = name
         self.body = body
+        self.shared: Callable[[Row], tuple[str, ...]] = lambda row: ()
         self.title = title
         self.configuration = configuration
         self.lines: list[str] = []

@@ -27,7 +27,7 @@ from elitescript.runtime.connections.http_answers import HttpAnswer, HttpReader
 from elitescript.runtime.connections.rpc_texts import values_and_method
 from elitescript.runtime.connections.sockets import CONNECT_TICKS, NO_NETWORK
 from elitescript.runtime.connections.traffic import ChannelLog, Traffic, cut
-from elitescript.runtime.environment import Channels
+from elitescript.runtime.environment import Channels, without_addresses
 from elitescript.runtime.sealed import Sealed, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
@@ -276,7 +276,8 @@ def _bad_url(url: str, why: str) -> InvalidValueError:
 def _request(server: RpcServer, method: str, args: tuple[Any, ...]) -> bytes:
     try:
         _check_arguments(args)
-        body = client.dumps(args, method, allow_none=True).encode("utf-8", "xmlcharrefreplace")
+        text = without_addresses(client.dumps(args, method, allow_none=True))
+        body = text.encode("utf-8", "xmlcharrefreplace")
     except OverflowError as error:
         raise ArgumentRangeError(
             said("{method}(): {error}: whole numbers have 32 bits", method=method, error=error),
@@ -301,7 +302,7 @@ def _brief(value: Any) -> str:
     brief = Repr()
     brief.maxstring = brief.maxother = 100
     brief.maxlist = brief.maxtuple = brief.maxdict = 20
-    return brief.repr(value)
+    return without_addresses(brief.repr(value))
 
 
 def _check_arguments(values: Any) -> None:

@@ -68,6 +68,9 @@ _REAL: Final[dict[str, Any]] = {
 """Objects that no script can change; all runs share them."""
 
 
+_SEES_MEMO: Final = "__deepcopy__"
+"""Method that gets the table of objects of a `deepcopy`."""
+
 Refused = Callable[[str, ScriptError], None]
 
 
@@ -158,6 +161,8 @@ class Bindings:
             for name in code.co_names:
                 if name not in names:
                     self.bind_name(name)
+            if _SEES_MEMO in code.co_names or _SEES_MEMO in code.co_consts:
+                self.shelf.show_memo()
             codes += [value for value in code.co_consts if type(value) is CodeType]
 
     def bind_name(self, name: str) -> None:

@@ -114,6 +114,8 @@ def checked_dir(*values: Any) -> list[str]:
 
 
 def _check_name(function: str, name: Any) -> None:
+    if not isinstance(name, str):
+        raise TypeError(f"attribute name must be string, not {type(name).__name__!r}")
     if type(name) is not str:
         raise TypeError(f"{function}(): attribute name must be a plain str, not {type(name).__name__!r}")
     if not name.isidentifier():

@@ -263,9 +263,9 @@ type.__setattr__(OneArgumentType, "__name__", "type")
 
 
 def shown_class(kind: Any) -> Any:
-    """Return a class as programs see it: `type` for the metaclasses that number, and for that of Python."""
+    """Return a class as programs see it: `type` for metaclasses that number or seal, and for that of Python."""
     if isinstance(kind, type) and issubclass(kind, type):
-        kind = vars(kind).get(_SHOWN, kind)
+        kind = type if issubclass(kind, Sealed) else vars(kind).get(_SHOWN, kind)
         return OneArgumentType if kind is type else kind
     return kind
 

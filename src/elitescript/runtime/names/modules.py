@@ -17,7 +17,7 @@ from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
 from elitescript.language.modules import AVAILABLE, COPIED_NAMES, NETWORK, SHARED, SHARED_NAMES
-from elitescript.language.policy import is_dunder
+from elitescript.language.policy import is_attribute_allowed, is_dunder
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
@@ -80,6 +80,9 @@ class ModulePort(Protocol):
     def build_class(self, *args: Any, **options: Any) -> type:
         """Make a class, as the statement does."""
 
+    def numbering(self) -> Callable[[Any], int]:
+        """Return what gives the number that `id` gives of a value; 0 for one that is its own copy."""
+
     def copy_names(self) -> dict[str, dict[str, Any]]:
         """Return names that private copies find before they run, by module: `id`."""
 
@@ -92,7 +95,7 @@ class ModuleShelf:
         scheduler: runs its threads.
     """
 
-    __slots__ = ("_facades", "_is_loading_threads", "_loader", "_port", "_scheduler")
+    __slots__ = ("_facades", "_is_loading_threads", "_is_memo_shown", "_loader", "_port", "_scheduler")
 
     def __init__(self, port: ModulePort, scheduler: Scheduler) -> None:
         self._port = port
@@ -100,6 +103,7 @@ class ModuleShelf:
         self._facades: dict[str, Facade] = {}
         self._loader: CopyLoader | None = None
         self._is_loading_threads = False
+        self._is_memo_shown = False
 
     def import_module(
         self,
@@ -146,12 +150,16 @@ class ModuleShelf:
             path: Facade = vars(self.facade("os"))["path"]
             return path
         if name in SHARED_NAMES:
-            names = _chosen(vars(real(name)), SHARED_NAMES[name])
+            names = _chosen(real(name), SHARED_NAMES[name])
+            if name == "operator":
+                names |= _special_names(vars(real(name)), names)
             names = {key: forwarded(item) if type(item) is FunctionType else item for key, item in names.items()}
         elif name in COPIED_NAMES:
-            names = _chosen(vars(self.copy(name)), COPIED_NAMES[name])
+            names = _chosen(self.copy(name), COPIED_NAMES[name])
             if name in _FIXES:
                 _FIXES[name](names)
+            if name == "copy":
+                names["deepcopy"] = self._deepcopy(names["deepcopy"])
             if name == "collections":
                 names["abc"] = self.facade("collections.abc")
         else:
@@ -176,9 +184,33 @@ class ModuleShelf:
         outer = self._is_loading_threads
         self._is_loading_threads = outer or name in ("queue", "threading")
         try:
-            return self._loader.load(name)
+            module = self._loader.load(name)
         finally:
             self._is_loading_threads = outer
+        if name == "copy" and self._is_memo_shown:
+            vars(module)["id"] = self._port.numbering()
+        return module
+
+    def show_memo(self) -> None:
+        """Have `deepcopy` note objects by the numbers that `id` gives, not by addresses, which are found faster.
+
+        Called before the program can see what a `deepcopy` notes.
+        """
+        if not self._is_memo_shown:
+            self._is_memo_shown = True
+            if self._loader is not None:
+                self.copy("copy")
+
+    def _deepcopy(self, copied: Callable[..., Any]) -> Callable[..., Any]:
+        def deepcopy(x: Any, memo: Any = None) -> Any:
+            """Return a copy of the value and of all that it holds."""
+            if memo is None:
+                return copied(x)
+            self.show_memo()
+            return copied(x, memo)
+
+        deepcopy.__qualname__ = deepcopy.__name__
+        return deepcopy
 
 
 def _refusal(name: str) -> str:
@@ -191,12 +223,23 @@ def _refusal(name: str) -> str:
     return said("the module {name!r} is not available to programs", name=name)
 
 
-def _chosen(space: dict[str, Any], wanted: str) -> dict[str, Any]:
+def _chosen(module: ModuleType, wanted: str) -> dict[str, Any]:
     """Return the wanted names of a module that exist; never a module."""
+    space = vars(module)
     if wanted == "*":
         public = space.get("__all__") or [name for name in space if not name.startswith("_")]
         return {name: space[name] for name in public if not isinstance(space[name], ModuleType)}
-    return {name: space[name] for name in wanted.split() if name in space}
+    # Some are made when they are first asked for, such as `typing.Match` since Python 3.13.
+    return {name: getattr(module, name) for name in wanted.split() if hasattr(module, name)}
+
+
+def _special_names(space: dict[str, Any], names: dict[str, Any]) -> dict[str, Any]:
+    """Return the functions of `operator` by their other names, as `__lt__` of `lt`, that programs may read.
+
+    Without them those names would lead to the methods of the facade itself.
+    """
+    special = {f"__{name.strip('_')}__": item for name, item in names.items()}
+    return {name: item for name, item in special.items() if space.get(name) is item and is_attribute_allowed(name)}
 
 
 def _own_wraps(names: dict[str, Any]) -> None:
@@ -297,13 +340,30 @@ def _annotations(cls: type) -> dict[str, Any]:
     return dict(vars(cls).get("__annotations__", {}))
 
 
+class _Variables(metaclass=Sealed):
+    """Stands for a context of variables, which programs do not have; a thread of Python 3.14 is run in one."""
+
+    __slots__ = ()
+
+    def run(self, function: Callable[..., Any], *args: Any) -> Any:
+        """Call a function."""
+        return function(*args)
+
+
+def _signature(cls: type) -> str:
+    from elitescript.runtime.stdlib.signatures import signature_of
+
+    return signature_of(cls)
+
+
 _REPLACEMENTS: Final[dict[str, Any]] = {
+    "_contextvars": SimpleNamespace(Context=_Variables, copy_context=_Variables),
     "_datetime": ABSENT,
     "_queue": ABSENT,
     "inspect": SimpleNamespace(
         get_annotations=_annotations,
         getattr_static=lambda *args: real("inspect").getattr_static(*args),
-        signature=lambda function: "",
+        signature=_signature,
         unwrap=lambda function: function,
     ),
     "os": SimpleNamespace(),

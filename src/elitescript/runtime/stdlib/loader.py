@@ -19,7 +19,7 @@ from typing import Any, Final
 from elitescript.errors import InternalError
 from elitescript.language import modules
 
-KNOWN_PYTHONS: Final = ((3, 11), (3, 12), (3, 13))
+KNOWN_PYTHONS: Final = ((3, 11), (3, 12), (3, 13), (3, 14))
 """Versions whose modules were tested as copies; another one may import other names."""
 
 ABSENT: Final = object()
@@ -192,6 +192,7 @@ def _system(modules: _Modules) -> SimpleNamespace:
     return SimpleNamespace(
         _getframe=sys._getframe,
         exc_info=sys.exc_info,
+        flags=SimpleNamespace(thread_inherit_context=False),
         excepthook=_no_output,
         float_info=sys.float_info,
         getsizeof=sys.getsizeof,

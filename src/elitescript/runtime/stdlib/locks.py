@@ -8,6 +8,7 @@ the owner. Code that no thread runs, such as `__del__` of an object that is coll
 
 from __future__ import annotations
 
+import sys
 from collections import deque
 from typing import Any, Final
 
@@ -218,6 +219,12 @@ class RLock(metaclass=Sealed):
 
     def __exit__(self, *details: object) -> None:
         self.release()
+
+    if sys.version_info >= (3, 14):
+
+        def locked(self) -> bool:
+            """Return whether a thread holds the lock."""
+            return bool(_rmutex_of(self).is_locked)
 
     def _is_owned(self) -> bool:
         mutex: _Mutex = _rmutex_of(self)

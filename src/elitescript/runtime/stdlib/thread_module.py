@@ -1,6 +1,6 @@
 """`_thread` for the private copies of `threading` and `queue`: threads are strands, time is virtual.
 
-The names are those that the copies take, on Python 3.11 to 3.13. Scripts never see this module.
+The names are those that the copies take, on Python 3.11 to 3.14. Scripts never see this module.
 """
 
 from __future__ import annotations

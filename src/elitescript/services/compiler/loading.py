@@ -17,7 +17,7 @@ from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.probes import CountedBranch, CountedFunction, CountedStatement, ProbeTable
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult
-from elitescript.services.compiler.packing import END, FUNCTION, LENGTH, PROBLEMS, STATEMENTS, UNIT, VALUES
+from elitescript.services.compiler.packing import END, FUNCTION, LENGTH, PROBLEMS, STATEMENTS, TREE, UNIT, VALUES
 
 
 class KeptStatements(Sequence[CountedStatement]):
@@ -65,7 +65,7 @@ class Loading:
         result: what has come of the text; None until the last piece is there.
     """
 
-    __slots__ = ("_buffer", "_problems", "_source", "_statements", "_unit", "_values", "result")
+    __slots__ = ("_buffer", "_places", "_problems", "_source", "_statements", "_texts", "_unit", "_values", "result")
 
     def __init__(self, source: SourceFile) -> None:
         self._source = source
@@ -74,6 +74,8 @@ class Loading:
         self._problems: list[Diagnostic] = []
         self._statements: list[bytes] = []
         self._unit: CompiledUnit | None = None
+        self._texts: list[str] = []
+        self._places: list[str] = []
         self.result: CheckResult | None = None
 
     def feed(self, data: bytes) -> None:
@@ -110,6 +112,11 @@ class Loading:
                 )
                 for code, severity, line, column, end_line, end_column, text, hint in value
             ]
+        elif mark == TREE and isinstance(value, str):
+            self._texts.append(value)
+        elif mark == TREE:
+            for place, count in value:
+                self._places += [place] * count
         elif mark == UNIT:
             self._unit = self._made(*value)
         elif mark == END:
@@ -123,6 +130,8 @@ class Loading:
         (code,) = self._values
         if not isinstance(code, CodeType):
             raise TypeError("the value that is left is no code")
+        if self._texts:
+            self._source = SourceFile(self._source.name, "".join(self._texts), tuple(self._places))
         first, size, branches, functions = probes
         table = ProbeTable(
             first,

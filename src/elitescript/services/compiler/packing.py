@@ -5,11 +5,13 @@ from __future__ import annotations
 import marshal
 import struct
 from collections.abc import Iterator
+from itertools import groupby
 from types import CodeType
 from typing import Any, Final
 
 from elitescript.codec.values import with_parts, write_text
 from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult
 
 PIECE_BYTES: Final = 64 * 1024
@@ -27,6 +29,8 @@ STATEMENTS: Final = b"S"
 """A list of counted statements."""
 UNIT: Final = b"U"
 """What else there is of a program whose function is the one value that is left."""
+TREE: Final = b"T"
+"""Of a graphical program, a part of its script; or nodes of lines, each with the number of lines in a row."""
 END: Final = b"E"
 """Whether every error refuses the program."""
 
@@ -43,6 +47,7 @@ def _pieces(result: CheckResult) -> Iterator[tuple[bytes, Any]]:
     for at in range(0, len(rows), 200):
         yield PROBLEMS, rows[at : at + 200]
     if (unit := result.unit) is not None:
+        yield from _tree(unit.source)
         probes = unit.probes
         for at in range(0, len(probes.statements), 1000):
             yield STATEMENTS, [tuple(row) for row in probes.statements[at : at + 1000]]
@@ -61,6 +66,16 @@ def _pieces(result: CheckResult) -> Iterator[tuple[bytes, Any]]:
             ),
         )
     yield END, result.is_strict
+
+
+def _tree(source: SourceFile) -> Iterator[tuple[bytes, Any]]:
+    if not source.places:
+        return
+    for at in range(0, len(source.text), PIECE_BYTES):
+        yield TREE, source.text[at : at + PIECE_BYTES]
+    rows = [(place, len(list(lines))) for place, lines in groupby(source.places)]
+    for at in range(0, len(rows), 1000):
+        yield TREE, rows[at : at + 1000]
 
 
 def _problem(found: Diagnostic) -> tuple[Any, ...]:

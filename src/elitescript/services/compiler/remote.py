@@ -87,7 +87,7 @@ class RemoteWorkshop:
         if not self._jobs or (job := self._jobs[0]).number != number:
             return
         if not self._is_loading:
-            self._is_loading, self._loading = True, Loading(SourceFile(job.name, job.text))
+            self._is_loading, self._loading = True, Loading(SourceFile(job.name, "" if job.is_tree else job.text))
         if self._loading is None:
             return
         try:

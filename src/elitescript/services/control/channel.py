@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.findings.found import Tally
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
 from elitescript.messages.outcomes import Outcome
@@ -329,9 +330,10 @@ class Ending:
         finished: done at that end, with the answer to `play`.
     """
 
-    __slots__ = ("_alarm", "_has_begun", "finished")
+    __slots__ = ("_alarm", "_has_begun", "_tally", "finished")
 
     def __init__(self) -> None:
+        self._tally = Tally()
         self._has_begun = False
         self._alarm = ""
         self.finished: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
@@ -341,6 +343,7 @@ class Ending:
         for event in output.events:
             if self.finished.done():
                 break
+            self._tally.take(event)
             if isinstance(event, Alarm):
                 self._alarm = f"{event.code} in line {event.line}: {event.class_name}: {event.text}"
             elif isinstance(event, TaskStateChanged):
@@ -351,11 +354,16 @@ class Ending:
         if event.state is not TaskState.STOPPED:
             self._has_begun = True
         elif self._has_begun:
-            text = f"task {event.name} ended at {seconds(event.tick):.3f} s: {event.ending}"
+            found = self._tally.findings
+            words = f", {found.words}" if found else ""
+            text = f"task {event.name} ended at {seconds(event.tick):.3f} s: {event.ending}{words}"
+            counts = {"findings": found.counts()}
             if event.ending == "alarm":
-                self.finished.set_result({"ok": False, "error": f"{text} {self._alarm}".strip(), "ending": "alarm"})
+                self.finished.set_result(
+                    {"ok": False, "error": f"{text} {self._alarm}".strip(), "ending": "alarm", **counts}
+                )
             else:
-                self.finished.set_result({"ok": True, "text": text, "ending": event.ending})
+                self.finished.set_result({"ok": True, "text": text, "ending": event.ending, **counts})
 
 
 def _why_late(server: RobotServer) -> str:

@@ -297,6 +297,7 @@ def _values(request: VerbRequest, output: Output) -> dict[str, Any]:
 
 def _state(request: VerbRequest, output: Output) -> dict[str, Any]:
     snapshot, robot = output.snapshot, output.snapshot.robot
+    is_under_way = robot.task_state is not TaskState.STOPPED
     return {
         "model": request.description.model,
         "tick": output.tick,
@@ -305,6 +306,7 @@ def _state(request: VerbRequest, output: Output) -> dict[str, Any]:
         "safety_mode": robot.safety_mode.name,
         "task_state": robot.task_state.name,
         "line": robot.line,
+        "node": {"row": robot.node[0], "text": robot.node[1]} if is_under_way and robot.node[0] else None,
         "joints": robot.q_actual,
         "tcp_pose": robot.tcp_pose_actual,
         "is_moving": robot.is_moving,

@@ -28,6 +28,8 @@ from elitescript.conversation.messages import (
     Step,
     options_data,
 )
+from elitescript.conversation.trees import with_task
+from elitescript.environment.task_files import OpenedTask
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds
@@ -86,7 +88,9 @@ class Setting:
 class _Shown:
     """The run that the page shows."""
 
-    def __init__(self, number: int, job: Job, until_s: float) -> None:
+    def __init__(self, number: int, job: Job, until_s: float, task: OpenedTask | None = None) -> None:
+        self.task = task
+        """Of which its text is the script."""
         self.number = number
         self.job = job
         self.until_s = until_s
@@ -123,6 +127,7 @@ class LiveEngine:
     Attributes:
         name: name of the text, as messages about it have it.
         folder: the opened folder, of which programs get a copy as their task folder; None for none.
+        task: the graphical program of which texts are the script; None for others.
     """
 
     def __init__(self, send: Send, send_rows: SendRows, setting: Setting | None = None) -> None:
@@ -131,6 +136,7 @@ class LiveEngine:
         self._setting = setting or Setting()
         self.name = "program.script"
         self.folder: Path | None = None
+        self.task: OpenedTask | None = None
         self._starting: asyncio.Task[Keeper | Spares] | None = None
         self._number = 0
         self._options = RunOptions()
@@ -229,11 +235,14 @@ class LiveEngine:
         """Check a text, and run it if it compiles; what was computed for an older one ends."""
         await self._end_run()
         self._options = asked.options
+        task = self._task_of(asked.text)
+        # What keeps a task from running is known; the worker then shows the robot alone.
+        text = "" if task is not None and task.errors else asked.text
         try:
-            job = self._job(asked.text, asked.options)
+            job = self._job(text, asked.options)
         except UsageError as error:
             await self._send(describe.notice("error", str(error)))
-            job = self._job(asked.text, RunOptions())
+            job = self._job(text, RunOptions())
         self._number += 1
         until_s = asked.options.until_s or UNTIL_S_DEFAULT
         known = self._kept if self._kept is not None and self._kept.is_complete else None
@@ -247,8 +256,12 @@ class LiveEngine:
             "wall_s": UNTIL_S_MAX if job.may_connect else WALL_S,
             "known": None if known is None else {"digest": known.digest, "lines": known.lines},
         }
-        new = _Shown(self._number, job, until_s)
+        new = _Shown(self._number, job, until_s, task)
         self._task = asyncio.get_running_loop().create_task(self._follow(request, new))
+
+    def _task_of(self, text: str) -> OpenedTask | None:
+        """Return the graphical program of which a text is the script, or that a text shows; None if it is none."""
+        return self.task if self.task is not None and self.task.source.text == text else None
 
     def _job(self, text: str, options: RunOptions) -> Job:
         """Return a text with what determines its run.
@@ -278,6 +291,7 @@ class LiveEngine:
             setting.levels,
             setting.presets,
             options.inputs or (),
+            **_of_task(self._task_of(text)),
         )
 
     @property
@@ -359,6 +373,7 @@ class LiveEngine:
                     await self._send(_ended(new, "killed", stands_in[1]))
                     return
                 if what == "problems":
+                    message = with_task(message, new.task)
                     await self._send(message)
                     if not message["compiles"]:
                         await self._say_stopped()
@@ -475,7 +490,7 @@ class LiveEngine:
             # What it had not reported yet is gone with it. The same run up to there does not come to that line.
             self._number += 1
             again = request | {"run": self._number, "until_s": seconds(tick), "known": None}
-            await self._follow(again, _Shown(self._number, new.job, new.until_s), (place, text))
+            await self._follow(again, _Shown(self._number, new.job, new.until_s, new.task), (place, text))
             return
         new.is_over, new.last = True, new.last | {"line": place}
         await self._send(_ended(new, "killed", text))
@@ -666,8 +681,18 @@ class LiveEngine:
                 worker.kill()
 
 
-_REPEATED: Final = frozenset(("run_began", "lines", "contacts", "moves", "events", "left_out", "cycle", "run_ended"))
+_REPEATED: Final = frozenset(
+    ("run_began", "lines", "marks", "contacts", "moves", "events", "left_out", "cycle", "run_ended")
+)
 """Messages that are sent again for a text with the same code."""
+
+
+def _of_task(task: OpenedTask | None) -> dict[str, Any]:
+    """Return what a job takes over from a graphical program."""
+    if task is None:
+        return {}
+    tree = task.source.tree
+    return {"places": task.source.places, "arm": task.source.arm, "unset": () if tree is None else tree.unset}
 
 
 def _ended(shown: _Shown, state: str, killed: str = "") -> Message:

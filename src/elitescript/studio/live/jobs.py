@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 from elitescript.conversation.messages import SignalInput
 from elitescript.environment.memory import FolderCopy, folder_contents
 from elitescript.environment.network_option import STUDIO, WORLD_FILE
+from elitescript.language.text.source import SourceFile, TreeFacts
 from elitescript.messages.signals import Value
 from elitescript.models.model import is_model_file
-from elitescript.paths import is_program_name
+from elitescript.paths import is_program_name, is_task_name
 from elitescript.records import field, fields_of, record
 from elitescript.robot import VirtualRobot
 from elitescript.world_file import closed_world, files_read
@@ -35,6 +36,7 @@ class Job:
         levels: signals before the program begins.
         presets: program globals that have a value before it begins.
         inputs: signals that change at a time.
+        places, arm, unset: of the script of a graphical program, as `SourceFile` has them.
     """
 
     name: str
@@ -47,6 +49,15 @@ class Job:
     levels: Mapping[str, Value] = field(default_factory=dict)
     presets: Mapping[str, Any] = field(default_factory=dict)
     inputs: tuple[SignalInput, ...] = ()
+    places: tuple[str, ...] = ()
+    arm: str = ""
+    unset: tuple[str, ...] = ()
+
+    @property
+    def source(self) -> SourceFile:
+        """The text under the name that it has in tracebacks."""
+        tree = TreeFacts(self.arm, self.unset) if self.places else None
+        return SourceFile(code_name(self.name), self.text, self.places, tree=tree)
 
 
 def job_data(job: Job) -> dict[str, Any]:
@@ -56,7 +67,8 @@ def job_data(job: Job) -> dict[str, Any]:
 
 def job_of(data: Mapping[str, Any]) -> Job:
     """Return the job of such data."""
-    return Job(**{**data, "inputs": tuple(SignalInput(*item) for item in data["inputs"])})
+    inputs = tuple(SignalInput(*item) for item in data["inputs"])
+    return Job(**{**data, "inputs": inputs, "places": tuple(data["places"]), "unset": tuple(data["unset"])})
 
 
 def files_of(job: Job) -> list[Path]:
@@ -71,7 +83,7 @@ def files_of(job: Job) -> list[Path]:
 
 def code_name(name: str) -> str:
     """Return the name of a text in tracebacks, which must not be that of a file of Python."""
-    return name if is_program_name(name) else f"{name}.script"
+    return name if is_program_name(name) or is_task_name(name) else f"{name}.script"
 
 
 def _reach(job: Job, world: World) -> dict[str, str]:

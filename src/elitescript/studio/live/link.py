@@ -49,6 +49,7 @@ SHAPES: Final[dict[str, Any]] = {
     "progress": _RUN | {"t": _NUMBER},
     "run_began": _RUN | {"version": (int,)},
     "lines": _RUN | {"thread": _TEXTS, "t": [_NUMBER], "line": [(int,)]},
+    "marks": _RUN | {"t": [_NUMBER], "node": [(int,)]},
     "moves": _RUN | {"list": [{"line": (int,), "start_s": _NUMBER, "end_s": _NUMBER}]},
     "events": _RUN | {"list": [{"type": _TEXTS, "text?": _TEXTS, "line?": (int,)}]},
     "left_out": _RUN | {"events": (int,), "bytes": (int,)},

@@ -17,7 +17,7 @@ from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
 from elitescript.environment.network_option import STUDIO
 from elitescript.errors import DebugError, ElitescriptError, ProgramError
-from elitescript.studio.live.jobs import PreparedJob, code_name, job_of
+from elitescript.studio.live.jobs import PreparedJob, job_of
 from elitescript.studio.live.link import Link
 from elitescript.world_file import closed_world
 
@@ -46,8 +46,8 @@ def look(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> No
         jail()
         session = DebugSession(
             ProgramSource(
-                code_name(job.name),
-                text=job.text,
+                job.source.name,
+                source=job.source,
                 world=lambda: closed_world(job.world or None, is_trusted=job.is_trusted),
                 levels=prepared.levels,
                 schedule=prepared.schedule,

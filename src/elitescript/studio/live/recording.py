@@ -9,14 +9,13 @@ from typing import Any
 
 from elitescript.conversation import describe
 from elitescript.errors import ElitescriptError, ProgramError
-from elitescript.language.text.source import SourceFile
 from elitescript.plotting.conversation import packed
 from elitescript.plotting.page import BYTES_MAX, page
 from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.recording import Recording
 from elitescript.plotting.sampling import Sampling
 from elitescript.plotting.trace_reader import SUFFIXES, trace_of
-from elitescript.studio.live.jobs import PreparedJob, code_name, job_of
+from elitescript.studio.live.jobs import PreparedJob, job_of
 from elitescript.studio.live.link import Link
 
 
@@ -49,7 +48,7 @@ def _recording(request: Mapping[str, Any], jail: Callable[[], None]) -> Recordin
     name = PurePath(job.name).name
     if PurePath(name).suffix in SUFFIXES:
         return Recording(name, robot.model, trace_of(Path(name), job.text))
-    source = SourceFile(code_name(job.name), job.text)
+    source = job.source
     unit = robot.compile(source)
     recorder = RunRecorder(robot, Sampling())
     trace, until_s = recorder.sampling, request["until_s"]

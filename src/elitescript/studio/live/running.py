@@ -16,7 +16,7 @@ from elitescript.controller.controller import Controller
 from elitescript.controller.views.trace import TraceSpan
 from elitescript.conversation import describe
 from elitescript.conversation.describe import Moment
-from elitescript.conversation.limits import LONG_LINES, PLACES_MAX, EventBudget
+from elitescript.conversation.limits import LONG_LINES, PLACES_MAX, EventBudget, MarkBudget
 from elitescript.conversation.messages import RunOptions
 from elitescript.conversation.rows import RowWriter
 from elitescript.errors import ElitescriptError
@@ -24,9 +24,8 @@ from elitescript.language.compiler import CompiledUnit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.idle import holds_nothing
 from elitescript.language.options import Options
-from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import compile_checked
-from elitescript.messages.events import ChannelActivity, Event, MotionEnded, MotionStarted
+from elitescript.messages.events import ChannelActivity, Event, LineMarked, MotionEnded, MotionStarted
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.plotting.events import timed_moves
@@ -36,7 +35,7 @@ from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
 from elitescript.studio.live.code import digest_of, lines_of, moved_lines
-from elitescript.studio.live.jobs import Job, PreparedJob, code_name, files_of, job_data, job_of
+from elitescript.studio.live.jobs import Job, PreparedJob, files_of, job_data, job_of
 from elitescript.studio.live.link import Board, Link
 from elitescript.untrusted.files import WORLD, read_bytes
 
@@ -64,7 +63,7 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
     """
     version = request["version"]
     job = job_of(request["job"])
-    source = SourceFile(code_name(job.name), job.text)
+    source = job.source
     try:
         prepared = PreparedJob(job)
         robot = prepared.robot()
@@ -189,6 +188,7 @@ class RunReport:
         self._lines = ThreadLines()
         self._seen = 0
         self._budget = EventBudget()
+        self._marks = MarkBudget()
         self._left_out = 0, 0
         """Events and bytes that the page knows to be left out."""
         self._open: MotionStarted | None = None
@@ -261,6 +261,8 @@ class RunReport:
         self._seen = run.events_dropped + len(events)
         if (moves := list(self._moves(happened))) != []:
             link.send(describe.moves(number, moves))
+        if marks := self._marks.take((event.tick, event.number) for event in happened if isinstance(event, LineMarked)):
+            link.send(describe.marks(number, marks))
         for event in happened:
             if isinstance(event, ChannelActivity) and event.what == "refused" and len(self._refused) < PLACES_MAX:
                 self._refused[f"{event.channel}: {event.data}" if event.data else event.channel] = None

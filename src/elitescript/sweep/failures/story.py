@@ -243,7 +243,7 @@ def _end(failure: Failure, run: Run, disturbances: Sequence[Disturbance], ends_s
     alarms = [alarm for alarm in causes_of(run, disturbances) if alarm.code != STUCK]
     if alarms and failure.code == alarms[-1].code:
         alarm = alarms[-1]
-        where = f"in line {alarm.line} " if alarm.line else ""
+        where = f"in {run.unit.source.line_words(alarm.line)} " if alarm.line else ""
         t = seconds(alarm.tick - run.start_tick)
         text = alarm.text.partition("\n")[0]
         words = f"{where}the program ended with {alarm.code} {alarm.class_name}: {text}"

@@ -35,6 +35,7 @@ class Plan:
     Attributes:
         program: text of the program.
         program_name: what alarms call it, without a folder.
+        tree: of the script of a graphical program, what is known of its tree; see `plans.trees`.
         files: content of the task folder by name, Base64; each run gets a copy in memory.
         world: text of the world file; empty without one.
         world_name: its name, without a folder.
@@ -54,6 +55,7 @@ class Plan:
 
     program: str
     program_name: str = "program.script"
+    tree: Mapping[str, Any] = field(default_factory=dict)
     files: Mapping[str, str] = field(default_factory=dict)
     world: str = ""
     world_name: str = ""
@@ -165,6 +167,7 @@ class Row:
         digest: of positions, times, signals and texts at the end, rounded so that other processors give the same.
         failure: None if every property held.
         margins: of the properties in their order; None where one has none.
+        is_warned: the run has found warnings of its own.
     """
 
     choices: Choices
@@ -174,6 +177,7 @@ class Row:
     digest: str = ""
     failure: Failure | None = None
     margins: tuple[float | None, ...] = ()
+    is_warned: bool = False
 
     @property
     def failed(self) -> str:

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.sweep.plans.plan import Choices, Disturbance, Failure, Plan, Row, Variation
+from elitescript.sweep.plans.trees import tree_of
 
 Check = Callable[[Any, str], Any]
 """Returns a value that was read, or raises `UsageError` with the place that it is given."""
@@ -83,6 +84,7 @@ def row_data(row: Row) -> list[Any]:
         row.digest,
         None if failure is None else {name: getattr(failure, name) for name in _FAILURE},
         list(row.margins),
+        row.is_warned,
     ]
 
 
@@ -92,9 +94,10 @@ def row_of(data: Any) -> Row:
     Raises:
         UsageError: not a row; the text names the field.
     """
-    if not isinstance(data, list) or len(data) != len(_ROW):
+    # Journals that were begun by an earlier version do not say whether a run has warnings.
+    if not isinstance(data, list) or not len(_ROW) - 1 <= len(data) <= len(_ROW):
         raise UsageError(f"row: a list of {len(_ROW)} is expected")
-    values = zip(data, _ROW.items(), strict=True)
+    values = zip(data, _ROW.items(), strict=False)
     return Row(**{name: check(value, f"row.{name}") for value, (name, check) in values})
 
 
@@ -192,6 +195,7 @@ def _choices(value: Any, place: str) -> Choices:
 _PLAN: Final[Mapping[str, Check]] = {
     "program": _text,
     "program_name": _text,
+    "tree": tree_of,
     "files": _table(_text),
     "world": _text,
     "world_name": _text,
@@ -239,4 +243,5 @@ _ROW: Final[Mapping[str, Check]] = {
     "digest": _text,
     "failure": _or_none(_failure),
     "margins": _list(_or_none(_number)),
+    "is_warned": _flag,
 }

@@ -5,12 +5,14 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.text.lexer import MARKS
 from elitescript.language.text.source import SourceFile
+from elitescript.sweep.plans.trees import INSTALLATION, PREFIXES, TASK, name_in_script
 
 MARK: Final = "@"
 """Before a name: the preset that stands in the place of a constant. The variable monitor leaves out such names."""
@@ -27,7 +29,8 @@ def put_presets(parsed: Parsed, names: Sequence[str]) -> dict[str, str]:
 
     Args:
         parsed: the program; its tree is changed.
-        names: what is varied: `speed`, or an element of a list: `FEEDER[2]`.
+        names: what is varied: `speed`, or an element of a list: `FEEDER[2]`; of a graphical program also `task.speed`
+            and `installation.speed`.
 
     Returns:
         The name of the preset for each.
@@ -37,7 +40,7 @@ def put_presets(parsed: Parsed, names: Sequence[str]) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for text in names:
-        match = _NAME.fullmatch(text)
+        match = _NAME.fullmatch(name_in_script(text, parsed.source) if text.startswith(PREFIXES) else text)
         if match is None or not match[1].isidentifier():
             raise UsageError(f"--vary {text}: it is neither a signal, nor a name of the program, nor a world setting")
         found[text] = _preset(parsed, text, match[1], [int(index) for index in re.findall(r"\d+", match[2])])
@@ -64,22 +67,23 @@ def constant_lines(program: str, names: Sequence[str]) -> dict[str, int]:
 
 def _preset(parsed: Parsed, text: str, name: str, indices: list[int]) -> str:
     statement = next((row for assigned, row in _assignments(parsed) if assigned == name), None)
-    if statement is None:
+    if statement is None or (text.startswith(TASK) and _reads(statement.value, name)):
         return _preset_of_unassigned(parsed, text, name, has_index=bool(indices))
+    words = partial(_words, parsed)
     holder: ast.AST = statement
     field: str | int = "value"
     for index in indices:
         value = _child(holder, field)
         if not isinstance(value, ast.List | ast.Tuple):
-            raise UsageError(f"--vary {text}: line {statement.lineno} gives {name} no list that is written out")
+            raise UsageError(f"--vary {text}: {words(statement)} gives {name} no list that is written out")
         if index >= len(value.elts):
             count = len(value.elts)
-            raise UsageError(f"--vary {text}: in line {statement.lineno} {name} has {count} elements, from 0 on")
+            raise UsageError(f"--vary {text}: in {words(statement)} {name} has {count} elements, from 0 on")
         holder, field = value, index
     old = _child(holder, field)
     if not _is_constant(old):
         raise UsageError(
-            f"--vary {text}: line {statement.lineno} computes the value of {name}; vary what it is computed from"
+            f"--vary {text}: {words(statement)} computes the value of {name}; vary what it is computed from"
             f"{_shown_names(parsed)}"
         )
     new = ast.copy_location(ast.Name(MARK + text, ast.Load()), old)
@@ -95,12 +99,16 @@ def _preset(parsed: Parsed, text: str, name: str, indices: list[int]) -> str:
 def _preset_of_unassigned(parsed: Parsed, text: str, name: str, *, has_index: bool) -> str:
     nodes = list(ast.walk(parsed.tree))
     stores = [node for node in nodes if isinstance(node, ast.Name) and node.id == name and _is_stored(node)]
-    if stores:
+    reads = [node.lineno for node in nodes if isinstance(node, ast.Name) and node.id == name and not _is_stored(node)]
+    first = min(stores, key=lambda node: node.lineno, default=None)
+    # A variable of a tree may be read, or counted on, before a node has given it a value.
+    is_given_before = text.startswith(TASK) and not has_index and bool(reads)
+    if first is not None and not (is_given_before and min(reads) <= first.lineno):
         raise UsageError(
-            f"--vary {text}: line {stores[0].lineno} assigns to {name} within a loop, a condition or a function; "
+            f"--vary {text}: {_words(parsed, first)} assigns to {name} within a loop, a condition or a function; "
             f"give it a constant before{_shown_names(parsed)}"
         )
-    is_read = any(isinstance(node, ast.Name) and node.id == name for node in nodes)
+    is_read = bool(reads)
     is_read = is_read or any(isinstance(node, ast.Global) and name in node.names for node in nodes)
     if not is_read:
         names = constants(parsed)
@@ -111,12 +119,24 @@ def _preset_of_unassigned(parsed: Parsed, text: str, name: str, *, has_index: bo
     return name
 
 
+def _reads(node: ast.expr, name: str) -> bool:
+    return any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(node))
+
+
+def _words(parsed: Parsed, node: ast.stmt | ast.Name) -> str:
+    return parsed.source.line_words(node.lineno)
+
+
 def _is_stored(node: ast.Name) -> bool:
     return isinstance(node.ctx, ast.Store)
 
 
 def _shown_names(parsed: Parsed) -> str:
     names = constants(parsed)
+    if (tree := parsed.source.tree) is not None:
+        given = {known: f"{INSTALLATION}{shown}" for shown, known in tree.installation}
+        given |= {known: f"{TASK}{shown}" for shown, known in tree.task if known not in given}
+        names = [given[name] for name in names if name in given]
     if not names:
         return "; it has no constants that could be varied"
     return f"; it has {', '.join(names[:_SHOWN])}{', ...' if len(names) > _SHOWN else ''}"
@@ -126,8 +146,14 @@ _SHOWN: Final = 12
 
 
 def _assignments(parsed: Parsed) -> Iterator[tuple[str, ast.Assign]]:
-    """Yield the statements of a program that assign to one name and run once, in the order of the text."""
-    for statement in parsed.body:
+    """Yield the statements of a program that assign to one name and run once, in the order of the text.
+
+    Those of a main task that begins anew for ever count too.
+    """
+    body = parsed.body
+    if parsed.source.tree is not None and body and isinstance(body[-1], ast.While):
+        body = [*body, *body[-1].body]
+    for statement in body:
         if isinstance(statement, ast.Assign) and len(statement.targets) == 1:
             target = statement.targets[0]
             if isinstance(target, ast.Name):

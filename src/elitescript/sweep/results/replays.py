@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from typing import Final
 from urllib.parse import quote
 
-from elitescript.language.text.source import SourceFile
 from elitescript.outputs.writing import Output, write_file
 from elitescript.plotting.page import page as page_of_run
 from elitescript.plotting.recorder import RunRecorder
@@ -16,6 +15,7 @@ from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
 from elitescript.sweep.failures.findings import Finding
 from elitescript.sweep.plans.plan import LOST, Choices, Row
+from elitescript.sweep.plans.trees import source_of_plan
 from elitescript.sweep.results.page import REPLAYS, PageTexts, Replay, sweep_page
 from elitescript.sweep.results.summary import Summary
 from elitescript.sweep.results.totals import Totals
@@ -106,7 +106,7 @@ def replay_of(runner: Runner, choices: Choices, title: str) -> str:
     _, run = runner.play(choices, before=begin, trace=sampling, watch=lambda robot: recorders[0].watch(robot))
     if run is None:
         return ""
-    source = SourceFile(runner.plan.program_name, runner.plan.program)
+    source = source_of_plan(runner.plan)
     return page_of_run(recorders[0].recording(title, robots[0], source, run, runner.problems))
 
 

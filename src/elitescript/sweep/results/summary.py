@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 from elitescript.records import record
@@ -32,6 +32,7 @@ class Kind:
         rows: the first ones, in the order of their runs.
         after: how many there are by their last disturbance; the text is empty for those without one.
         region: where they lie; None if nothing was found.
+        where: the line of their alarm in words; empty if there is none.
     """
 
     first: Failure
@@ -39,6 +40,7 @@ class Kind:
     rows: tuple[Row, ...]
     after: Mapping[str, int]
     region: Region | None
+    where: str = ""
 
     def title(self) -> str:
         """Return the kind in a few words: property, alarm, line, last disturbances."""
@@ -48,8 +50,8 @@ class Kind:
             title += f": alarm {first.code}"
         elif first.state != "finished":
             title += f": {first.state}"
-        if first.line:
-            title += f" in line {first.line}"
+        if self.where:
+            title += f" in {self.where}"
         after = [f"{name} {count:,}\N{MULTIPLICATION SIGN}" for name, count in _most(self.after, AFTER_SHOWN) if name]
         if len(after) == 1 and len(self.after) == 1:
             after = list(self.after)
@@ -65,6 +67,7 @@ class Summary:
     Attributes:
         runs: number of rows.
         failed: how many failed.
+        warned: how many have found warnings of their own, whether they hold or not.
         interval: 95 % interval of the probability to fail; None where nothing is drawn at random.
         states: number of runs by their state.
         times: virtual times by state, s.
@@ -82,6 +85,7 @@ class Summary:
 
     runs: int
     failed: int
+    warned: int
     interval: tuple[float, float] | None
     states: Mapping[str, int]
     times: Mapping[str, Distribution | None]
@@ -106,6 +110,7 @@ class Summary:
             "runs": self.runs,
             "hold": self.runs - self.failed,
             "failed": self.failed,
+            "warned": self.warned,
             "failing_interval": None if self.interval is None else list(self.interval),
             "states": dict(self.states),
             "time_s": {state: _json_of(found) for state, found in self.times.items()},
@@ -135,6 +140,8 @@ class Summary:
         else:
             share = _percent(self.failed / self.runs)
             first = f"{holding:,} of {_count(self.runs, 'run')} hold, {self.failed:,} fail ({share})"
+        if self.warned:
+            first += f"; {_count(self.warned, 'run')} found warnings" if self.runs > 1 else ", but has warnings"
         if self.interval is not None and self.runs:
             low, high = self.interval
             bound = f"below {_percent(high)}" if self.failed == 0 else f"{_percent(low)} to {_percent(high)}"
@@ -194,17 +201,19 @@ class Summary:
         return lines
 
 
-def summary_of(totals: Totals, is_random: bool = True) -> Summary:
+def summary_of(totals: Totals, is_random: bool = True, line_words: Callable[[int], str] = "line {}".format) -> Summary:
     """Work out what a sweep has found.
 
     Args:
         totals: of its rows.
         is_random: whether anything is drawn: without, the share of failures is no estimate of a probability.
+        line_words: returns a line of the program in words.
     """
     regions = {region.kind: region for region in regions_of(totals)}
     return Summary(
         runs=totals.runs,
         failed=totals.failed,
+        warned=totals.warned,
         interval=share_interval(totals.failed, totals.runs) if is_random else None,
         states=dict(sorted(totals.states.items(), key=lambda item: (-item[1], item[0]))),
         times={state: sketch.distribution() for state, sketch in sorted(totals.times.items())},
@@ -214,19 +223,19 @@ def summary_of(totals: Totals, is_random: bool = True) -> Summary:
         failing=dict(totals.failing),
         nearest=tuple(totals.nearest),
         worst=tuple(totals.worst),
-        kinds=tuple(_kind_of(groups, regions.get(place)) for place, groups in enumerate(totals.alike())),
+        kinds=tuple(_kind_of(groups, regions.get(place), line_words) for place, groups in enumerate(totals.alike())),
         other_kinds=totals.other_kinds,
         effects=effects_of(totals),
         sampled=sum(len(kept.at_most(SAMPLE)[0]) for kept in (totals.holding_sample, totals.failing_sample)),
     )
 
 
-def _kind_of(groups: Sequence[Group], region: Region | None) -> Kind:
+def _kind_of(groups: Sequence[Group], region: Region | None, line_words: Callable[[int], str]) -> Kind:
     rows = sorted((row for group in groups for row in group.rows), key=lambda row: row.choices.run)[:ROWS_OF_KIND]
     first = rows[0].failure
     assert first is not None
     after = {group.kind[3]: group.count for group in groups}
-    return Kind(first, sum(after.values()), tuple(rows), after, region)
+    return Kind(first, sum(after.values()), tuple(rows), after, region, line_words(first.line) if first.line else "")
 
 
 def _effect_words(effect: Effect) -> str:

@@ -89,7 +89,7 @@ class Totals:
 
     __slots__ = (
         "failing", "failing_sample", "groups", "holding_sample", "measures", "nearest", "nearest_rows", "other_kinds",
-        "properties", "runs", "states", "times", "variations", "words", "worst",
+        "properties", "runs", "states", "times", "variations", "warned", "words", "worst",
     )  # fmt: skip
 
     def __init__(
@@ -102,6 +102,8 @@ class Totals:
         self.variations = tuple(variations)
         self.properties = tuple(properties)
         self.runs = 0
+        self.warned = 0
+        """Runs that have found warnings of their own."""
         self.failing: Counter[str] = Counter()
         """Failures by property."""
         self.states: Counter[str] = Counter()
@@ -124,6 +126,7 @@ class Totals:
     def add(self, row: Row) -> None:
         """Add a row."""
         self.runs += 1
+        self.warned += row.is_warned
         self.states[row.state] += 1
         if row.time_s is not None:
             self.times.setdefault(row.state, Sketch()).add(row.time_s)

@@ -46,7 +46,12 @@ export function Cycle({ studio }: { studio: Studio }) {
       })}
       row={(index) => {
         const row = list[index]!;
-        return columns.map((name) => cell(studio, row, name)).concat(<td key="text" class="source" title={source[row.line - 1]?.trim() ?? ""}>{row.line > 0 ? source[row.line - 1]?.trim() : text("line_gone")}</td>);
+        return columns.map((name) => cell(studio, row, name)).concat(
+          <td key="text" class="source" title={source[row.line - 1]?.trim() ?? ""}>
+            {run.nodeAt(row.line) !== "" && <strong>{`${run.nodeAt(row.line)} `}</strong>}
+            {row.line > 0 ? source[row.line - 1]?.trim() : text("line_gone")}
+          </td>,
+        );
       }}
     />
   );

@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { Rows } from "../../app/rows.tsx";
 import { lastAtOrBefore, type LeftOut } from "../../model/run.ts";
+import { innerNode } from "../../model/tree.ts";
 import type { Studio } from "../../model/studio.ts";
 import { seconds, size } from "../../model/units.ts";
 import type { RunEvent } from "../../source/messages.ts";
@@ -63,7 +64,7 @@ function Message({ studio, event }: { studio: Studio; event: RunEvent }) {
       onFocus={() => point(studio, event)} onBlur={() => studio.point(null)}
     >
       <span class="number time">{seconds(event.t)}</span>
-      <span class="number line">{line > 0 ? text("line_short", { line }) : ""}</span>
+      <span class="number line">{line > 0 ? innerNode(studio.nodeInRun(line)) || text("line_short", { line }) : ""}</span>
       <span class={`kind ${level(event)}`}>{text(NAMES[event.type as Kind])}</span>
       <span class="said">{said}</span>
     </button>

@@ -94,8 +94,9 @@ function Row({ studio, kind, severity, line, version, words, t, press, children 
 }
 
 function Finding({ studio, problem, version }: { studio: Studio; problem: Problem; version: number }) {
-  const words = text("problem", {
-    line: problem.line, column: problem.column, severity: text(SEVERITIES[problem.severity]), code: problem.code, text: shortened(problem.text),
+  const node = studio.nodeAt(problem.line);
+  const words = text(node === "" ? "problem" : "problem_node", {
+    node, line: problem.line, column: problem.column, severity: text(SEVERITIES[problem.severity]), code: problem.code, text: shortened(problem.text),
   });
   const icon = problem.severity === "hint" ? "information" : problem.severity;
   return (
@@ -110,7 +111,7 @@ function Advice({ studio, problem: { hint, fix }, version }: { studio: Studio; p
   return (
     <>
       {hint !== "" && <p class="faint">{hint}</p>}
-      {fix !== undefined && studio.can("edit") && (
+      {fix !== undefined && studio.canWrite.value && (
         <button type="button" class="fix" title={fix.title} onClick={() => studio.fix(version, fix.edits)}>{text("fix")}</button>
       )}
     </>
@@ -119,7 +120,8 @@ function Advice({ studio, problem: { hint, fix }, version }: { studio: Studio; p
 
 /** `cause`: what `check` says of the same, whose advice stands here too. */
 function AlarmRow({ studio, alarm, cause, version }: { studio: Studio; alarm: AlarmReport; cause: Problem | null; version: number }) {
-  const words = text("alarm", { line: alarm.line, column: alarm.column, code: alarm.code, text: shortened(alarm.text), t: seconds(alarm.t) });
+  const node = studio.nodeInRun(alarm.line);
+  const words = text(node === "" ? "alarm" : "alarm_node", { node, line: alarm.line, column: alarm.column, code: alarm.code, text: shortened(alarm.text), t: seconds(alarm.t) });
   return (
     <Row studio={studio} kind="error" severity="error" line={alarm.line} t={alarm.t} words={words} press={() => studio.jump(alarm.t, alarm)}>
       {alarm.limit !== undefined && <p>{alarm.limit}</p>}
@@ -130,8 +132,9 @@ function AlarmRow({ studio, alarm, cause, version }: { studio: Studio; alarm: Al
 }
 
 function ContactRow({ studio, contact }: { studio: Studio; contact: Contact }) {
-  const words = text("contact", {
-    line: contact.line, first: contact.first, second: contact.second, t: seconds(contact.start_s),
+  const node = studio.nodeInRun(contact.line);
+  const words = text(node === "" ? "contact" : "contact_node", {
+    node, line: contact.line, first: contact.first, second: contact.second, t: seconds(contact.start_s),
     depth: withUnit(Math.abs(contact.distance_m), "length", studio.display.value),
   });
   return (
@@ -143,8 +146,9 @@ function ContactRow({ studio, contact }: { studio: Studio; contact: Contact }) {
 }
 
 function MetRow({ studio, found: { severity, code, line, t, count, text: said, hint } }: { studio: Studio; found: RunFinding }) {
-  const words = text(count > 1 ? "met_often" : "met", {
-    line, severity: text(SEVERITIES[severity]), code, t: seconds(t), count, text: shortened(said),
+  const node = studio.nodeInRun(line);
+  const words = text(node === "" ? (count > 1 ? "met_often" : "met") : count > 1 ? "met_often_node" : "met_node", {
+    node, line, severity: text(SEVERITIES[severity]), code, t: seconds(t), count, text: shortened(said),
   });
   return (
     <Row

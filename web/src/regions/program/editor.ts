@@ -15,6 +15,7 @@ import type { Place, Studio } from "../../model/studio.ts";
 import type { Problem, TextEdit } from "../../source/messages.ts";
 import { language } from "../../text/language.ts";
 import { PHRASES } from "../../text/phrases.ts";
+import { linesOf, rowOf } from "../../model/tree.ts";
 import { text as shown } from "../../text/text.ts";
 import { applyEdits, assistance } from "./assistance.ts";
 import { inlayHints, setHints } from "./hints.ts";
@@ -92,6 +93,7 @@ export class ProgramEditor {
           ]),
           EditorView.contentAttributes.of(() => ({ "aria-label": shown("editor_name"), spellcheck: "false", autocorrect: "off", autocapitalize: "off" })),
           EditorView.updateListener.of((update) => {
+            if (update.selectionSet && update.transactions.some((change) => change.isUserEvent("select"))) this.lookAt(update.state.doc.lineAt(update.state.selection.main.head).number);
             if (!update.docChanged) return;
             for (const transaction of update.transactions) this.versions.changed(transaction.changes);
             if (!this.isTaking) this.studio.edit(update.state.doc.toString());
@@ -210,8 +212,10 @@ export class ProgramEditor {
     const doc = this.view.state.doc;
     const pointed = hover === null || hover.region === REGION || hover.line === undefined ? 0 : hover.line;
     const outlined = this.versions.now(hover?.version ?? run?.version ?? 0, pointed, doc);
+    const tree = studio.tree.value;
+    const node = new Set(tree === null ? [] : linesOf(tree, studio.row.value));
     if (run === null) {
-      this.mark({ ...NO_MARKS, outlined });
+      this.mark({ ...NO_MARKS, node, outlined });
       return;
     }
     this.versions.forget(run.version);
@@ -224,6 +228,7 @@ export class ProgramEditor {
       at: threads.map(now),
       alarm: run.alarm === null ? 0 : now(run.alarm.line),
       alarm_text: run.alarm?.text ?? "",
+      node,
       outlined,
       times: this.options.times ? new Map(run.cycle.map((row) => [now(row.line), timeOf(row)] as const).map(([line, time]) => [line, withShare(time, run.known_s)])) : new Map(),
     };
@@ -233,7 +238,7 @@ export class ProgramEditor {
   /** Shows marks, if they or the text are others than last time: most messages of a run change none. */
   private mark(marks: LineMarks): void {
     const { doc } = this.view.state;
-    const content = JSON.stringify([[...marks.ran], marks.at, marks.alarm, marks.alarm_text, marks.outlined, [...marks.times]]);
+    const content = JSON.stringify([[...marks.ran], marks.at, marks.alarm, marks.alarm_text, [...marks.node], marks.outlined, [...marks.times]]);
     if (this.marked.doc === doc && this.marked.content === content) return;
     this.marked = { doc, content };
     this.view.dispatch({ effects: setMarks.of(marks) });
@@ -260,7 +265,24 @@ export class ProgramEditor {
     if (line === 0) return;
     const anchor = offsetOf(doc, { ...place, line });
     this.view.dispatch({ selection: { anchor }, effects: EditorView.scrollIntoView(anchor, { y: "center" }) });
-    this.view.focus();
+    this.lookAt(line);
+    // In a layout that shows the tree alone there is no text to go to.
+    if (this.view.dom.offsetParent !== null) this.view.focus();
+  }
+
+  /** Brings the lines of a row of the tree into view. */
+  showRow(row: number): void {
+    const tree = this.studio.tree.peek();
+    const line = tree === null ? 0 : (linesOf(tree, row)[0] ?? 0);
+    if (line === 0 || line > this.view.state.doc.lines) return;
+    // The row may be that of a line which is in view already, where the caret was put.
+    const { from } = this.view.state.doc.line(line);
+    this.view.dispatch({ effects: EditorView.scrollIntoView(from, { y: "nearest", yMargin: 60 }) });
+  }
+
+  private lookAt(line: number): void {
+    const tree = this.studio.tree.peek();
+    if (tree !== null) this.studio.row.value = rowOf(tree, line);
   }
 
   // ---------------------------------------------------------------- what people do here
@@ -285,6 +307,8 @@ export class ProgramEditor {
     visits.sort((a, b) => a - b);
     const next = visits.find((t) => t > this.studio.cursor.peek() + 1e-6) ?? visits[0];
     if (next !== undefined) this.studio.jump(next);
+    // What takes no time has no visits, but the node of the line has begun.
+    else if (this.studio.tree.peek() !== null) this.studio.visitRow(this.studio.row.peek());
   }
 
   private lineThatRan(line: number): number {

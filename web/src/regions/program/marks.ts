@@ -12,13 +12,15 @@ export interface LineMarks {
   /** Line of the alarm, 0 for none, and its text. */
   readonly alarm: number;
   readonly alarm_text: string;
+  /** Lines of the node of a graphical program that is looked at. */
+  readonly node: ReadonlySet<number>;
   /** Line that another region points at; 0 for none. */
   readonly outlined: number;
   /** Seconds and visits by line; empty while the column is not shown. */
   readonly times: ReadonlyMap<number, { readonly text: string; readonly label: string; readonly share: number }>;
 }
 
-export const NO_MARKS: LineMarks = { ran: new Set(), at: [], alarm: 0, alarm_text: "", outlined: 0, times: new Map() };
+export const NO_MARKS: LineMarks = { ran: new Set(), at: [], alarm: 0, alarm_text: "", node: new Set(), outlined: 0, times: new Map() };
 
 export const setMarks = StateEffect.define<LineMarks>();
 
@@ -26,6 +28,7 @@ const CLASSES = {
   main: Decoration.line({ class: "cm-at-main" }),
   thread: Decoration.line({ class: "cm-at-thread" }),
   alarm: Decoration.line({ class: "cm-alarm-line" }),
+  node: Decoration.line({ class: "cm-node-line" }),
   outlined: Decoration.line({ class: "cm-outlined" }),
 };
 
@@ -121,7 +124,7 @@ function draw(text: Text, marks: LineMarks): Drawn {
   const numbers = new RangeSetBuilder<GutterMarker>();
   const times = new RangeSetBuilder<GutterMarker>();
   const main = marks.at[0] ?? 0;
-  const marked = new Set([...marks.ran, ...marks.at, ...marks.times.keys(), marks.alarm, marks.outlined].filter((line) => line >= 1 && line <= text.lines));
+  const marked = new Set([...marks.ran, ...marks.at, ...marks.times.keys(), ...marks.node, marks.alarm, marks.outlined].filter((line) => line >= 1 && line <= text.lines));
   for (const line of [...marked].sort((a, b) => a - b)) {
     const { from } = text.line(line);
     const isAlarm = line === marks.alarm;
@@ -129,6 +132,7 @@ function draw(text: Text, marks: LineMarks): Drawn {
     if (line === main) lines.add(from, from, CLASSES.main);
     else if (isThread) lines.add(from, from, CLASSES.thread);
     if (isAlarm) lines.add(from, from, CLASSES.alarm);
+    if (marks.node.has(line)) lines.add(from, from, CLASSES.node);
     if (line === marks.outlined) {
       lines.add(from, from, CLASSES.outlined);
       numbers.add(from, from, new NumberMark("cm-outlined-number"));

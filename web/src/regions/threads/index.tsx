@@ -37,7 +37,7 @@ function Row({ studio, thread }: { studio: Studio; thread: ThreadState }) {
         </label>
       </th>
       <td class="number">
-        {line > 0 && <button type="button" class="place" onClick={() => studio.goToRun({ line, column: 1 })}>{line}</button>}
+        {line > 0 && <button type="button" class="place" title={studio.nodeInRun(line)} onClick={() => studio.goToRun({ line, column: 1 })}>{line}</button>}
       </td>
       <td title={wait}>{wait}</td>
       <td class="faint">{thread.function}</td>

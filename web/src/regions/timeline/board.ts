@@ -278,7 +278,7 @@ export class Board {
     const lines = this.linesOf(run);
     return {
       g, ratio, palette: palette.peek(), tints: tints(isDark.peek()), view, width, raised: this.raised.peek(),
-      order: (line) => order.get(line) ?? line, sourceLine: (line) => lines[line - 1]?.trim() ?? "",
+      order: (line) => order.get(line) ?? line, sourceLine: (line) => run?.shownLine(lines, line) ?? "",
     };
   }
 
@@ -495,7 +495,7 @@ export class Board {
     const run = studio.runAt(t);
     studio.point({ t, line: line > 0 ? line : (run?.lineAt(t) ?? 0), region: "timeline" });
     const lane = row === null ? undefined : laneAt(row, studio.run.peek(), t);
-    const words = lane === undefined ? "" : tooltip(lane, t, this.reach_s(), (number) => this.linesOf(run)[number - 1]?.trim() ?? "", this.state.families.peek());
+    const words = lane === undefined ? "" : tooltip(lane, t, this.reach_s(), (number) => run?.shownLine(this.linesOf(run), number) ?? "", this.state.families.peek());
     if (this.tip === null || this.root === null) return;
     this.tip.hidden = words === "";
     if (words === "") return;

@@ -269,7 +269,7 @@ function Groups({ state, board }: { state: TimelineState; board: Board }) {
   const { studio, expanded, chosen } = state;
   const height = rowHeight(studio.compared.value !== null);
   const lines = studio.run.value?.text.split("\n") ?? [];
-  const sourceLine = (line: number) => lines[line - 1]?.trim() ?? "";
+  const sourceLine = (line: number) => studio.run.value?.shownLine(lines, line) ?? "";
   return (
     <>
       {state.groups.value.map(({ group, rows, more, isOpen }) => (
