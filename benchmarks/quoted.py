@@ -49,6 +49,7 @@ NO_FIGURE = (
     ("docs/explanation/jail.md", "one client floods a port, 25 kinds"),
     ("docs/how-to/ssh.md", "`python -m benchmarks.floods ssh`"),
     (RECORDS + "0025-compiler.md", "Measured, processor time"),
+    (RECORDS + "0039-no-compiled-extension.md", "`python -m benchmarks programs` and"),
 )
 """Lines that name a benchmark without a figure of it, or one that serves robots for minutes by a call of its own."""
 

@@ -90,7 +90,7 @@ def test_inside_a_program(typed: str, expected: list[tuple[str, str, str]]) -> N
 @pytest.mark.parametrize(
     ("typed", "expected"),
     [
-        ("", [("1:1", "W216")]),
+        ("", [("1:1", "W216"), ("3:7", "N228")]),
         ("  movej([0, 1", [("6:8", "E001")]),
         ("  if v > 1:", [("6:3", "E104")]),
         ("  while True:\n    movej(", [("7:10", "E001")]),

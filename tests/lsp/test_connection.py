@@ -220,7 +220,7 @@ class TestMistakesOfTheServer:
 
 
 def _answering(client, feature):
-    return lambda document, params: server_module._answer(client.server, feature, document, params)
+    return lambda document, params: server_module._answer(client.server, HOVER, feature, document, params)
 
 
 def test_ranges_far_outside_are_no_mistake(client):

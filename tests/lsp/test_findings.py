@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 from threading import Event
 
 import pytest
@@ -274,3 +275,26 @@ def test_a_client_that_asks_gets_the_rest_when_it_can_be_told_to_ask_again(bare,
     assert [one["code"] for one in found["items"]] == ["E304", "W201"]
     again = bare.result("textDocument/diagnostic", named | {"previousResultId": found["resultId"]})
     assert again["kind"] == "unchanged"
+
+
+def test_a_cancelled_request_leaves_no_error_behind(bare, gate, log, monkeypatch):
+    monkeypatch.setattr(findings, "TOGETHER_S", 20.0)
+    reached, look = Event(), findings.diagnostics
+
+    def reach(document):
+        reached.set()
+        return look(document)
+
+    monkeypatch.setattr(findings, "diagnostics", reach)
+    bare.initialize({"textDocument": {"diagnostic": {}}})
+    bare.open(IN_TURN)
+    asked = bare.request_message("textDocument/diagnostic", {"textDocument": {"uri": URI}})
+    bare.send(asked)
+    bare.loop.run_until_complete(asyncio.to_thread(reached.wait, 20))
+    bare.notify("$/cancelRequest", {"id": asked["id"]})
+    assert bare.answer(asked["id"])["error"]["code"] == -32800
+    bare.change({"text": "def p():\n  x = 1\nend\n"}, version=2)
+    gate.set()
+    assert bare.result("textDocument/diagnostic", {"textDocument": {"uri": URI}})["items"] == []
+    gc.collect()
+    assert not log.getvalue()

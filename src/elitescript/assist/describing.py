@@ -103,6 +103,10 @@ _TEXTS: Final = {
 
 _NUMERALS: Final = frozenset(("to_num",))
 """Commands that take a number as a text."""
+_OF_POINTS: Final = ("cal_rpy_frame",)
+"""Commands that take points which make a frame: they must not coincide."""
+_POINTS: Final = {"origin": "[0.4, 0.0, 0.2]", "x_axis": "[0.5, 0.0, 0.2]", "y_axis": "[0.4, 0.1, 0.2]"}
+
 _FREE_ADDRESSES: Final = {"write_port_bit": "60", "write_port_register": "256"}
 """Addresses of the controller's own server that programs may write."""
 
@@ -179,6 +183,8 @@ def sample(command: Command, param: Param) -> str:
         return _FREE_ADDRESSES[command.name]
     if command.name in _NUMERALS:
         return '"1.5"'
+    if command.name in _OF_POINTS:
+        return _POINTS[param.name]
     if isinstance(_plain_quantity(param.quantity), Text):
         return f'"{_TEXTS.get(param.name, "text")}"'
     return _sample(param.quantity)

@@ -198,6 +198,8 @@ async def found_in_turn(session: Session, uri: str, document: Document) -> Async
             if not is_open():
                 return
         rest = asyncio.ensure_future(session.in_thread(_found, session, uri, twin, last, None, True))
+        # If the client cancels its request, nothing waits for them any more.
+        rest.add_done_callback(lambda done: done.cancelled() or done.exception())
         await asyncio.wait({rest}, timeout=TOGETHER_S)
         if quick is not None and not rest.done() and is_open():
             yield quick
