@@ -76,6 +76,7 @@ QUOTES = (
     Quote("README.md", "robot time in ", "programs", "pick and place, free run"),
     Quote("README.zh.md", "机器人时间 119 s", "programs", "pick and place, free run"),
     Quote(SPEED, "| start to exit, one-line program |", "programs", "start to exit, one-line program"),
+    Quote(SPEED, "| a run of 10 s on a new robot, the same text again |", "programs", "a run of 10 s on a new robot"),
     Quote(SPEED, "| pick and place, 119 s of robot time |", "programs", "pick and place, free run"),
     Quote(SPEED, "| the same with a trace row every 4 ms |", "programs", "the same with a trace row"),
     Quote(SPEED, "| picking from a moving belt |", "programs", "picking from a moving belt"),

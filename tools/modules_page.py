@@ -24,7 +24,7 @@ LEFT_OUT: Final[dict[str, tuple[tuple[str, str], ...]]] = {
         ("DecimalTuple HAVE_CONTEXTVAR HAVE_THREADS", _HOST),
     ),
     "enum": (
-        ("EnumMeta EnumType property", "the class of classes: write a method or an attribute"),
+        ("EnumMeta EnumType", "the class of classes"),
         ("global_enum global_enum_repr global_flag_repr global_str", "change other modules"),
         ("pickle_by_enum_name pickle_by_global_name", "there is no `pickle`"),
     ),

@@ -54,6 +54,7 @@ def uncalled_function(program: AnalysedProgram) -> Iterator[Finding]:
         if (
             parent is None
             or parent.kind == "class"
+            or (parent is symbols.body and program.parsed.unit is None)
             or scope.name.startswith(_OTHERS)
             or not isinstance(node, ast.FunctionDef)
         ):
