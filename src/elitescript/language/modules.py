@@ -34,7 +34,6 @@ COPIED_NAMES: Final[dict[str, str]] = {
     "copy": "copy deepcopy Error",
     "dataclasses": "FrozenInstanceError InitVar KW_ONLY MISSING asdict astuple dataclass field fields is_dataclass"
     " replace",
-    "datetime": "MAXYEAR MINYEAR UTC date datetime time timedelta timezone tzinfo",
     "enum": "CONFORM CONTINUOUS EJECT Enum EnumCheck Flag FlagBoundary IntEnum IntFlag KEEP NAMED_FLAGS ReprEnum STRICT"
     " StrEnum UNIQUE auto member nonmember property unique verify",
     "fractions": "Fraction",
@@ -63,6 +62,7 @@ COPIED_NAMES: Final[dict[str, str]] = {
 """Names of a private copy; those that this Python does not have are left out."""
 
 OWN_NAMES: Final[dict[str, str]] = {
+    "datetime": "MAXYEAR MINYEAR UTC date datetime time timedelta timezone tzinfo",
     "elicopy": "Error copy deepcopy",
     "itertools": "accumulate batched chain combinations combinations_with_replacement compress count cycle dropwhile"
     " filterfalse groupby islice pairwise permutations product repeat starmap takewhile tee zip_longest",

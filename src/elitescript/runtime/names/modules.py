@@ -302,34 +302,12 @@ def _without_evaluation(names: dict[str, Any]) -> None:
     names["NewType"].__init__.__globals__["ForwardRef"] = _ForwardRef
 
 
-def _own_date_errors(names: dict[str, Any]) -> None:
-    """Give the errors of dates the texts that the C code of Python gives them."""
-    space = names["date"].today.__func__.__globals__
-
-    def plain(check: Callable[..., Any]) -> Callable[..., Any]:
-        def checked(*args: Any) -> Any:
-            try:
-                return check(*args)
-            except ValueError as error:
-                if len(error.args) != 2:
-                    raise
-                text, value = error.args
-                text = f"year {value} is out of range" if text.startswith("year") else text
-                raise ValueError("day is out of range for month" if text.startswith("day") else text) from None
-
-        return checked
-
-    for name in ("_check_date_fields", "_check_time_fields"):
-        space[name] = plain(space[name])
-
-
 _LONG: Final = SHARED | {"os", "random", "re", "subprocess", "time"}
 """Modules with functions whose calls may take long; those of copies stay as they are: some look at their caller."""
 
 
 _FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {
     "collections": _own_user_string,
-    "datetime": _own_date_errors,
     "functools": _own_wraps,
     "json": _own_json_error,
     "typing": _without_evaluation,
@@ -358,7 +336,6 @@ def _signature(cls: type) -> str:
 
 _REPLACEMENTS: Final[dict[str, Any]] = {
     "_contextvars": SimpleNamespace(Context=_Variables, copy_context=_Variables),
-    "_datetime": ABSENT,
     "_queue": ABSENT,
     "inspect": SimpleNamespace(
         get_annotations=_annotations,

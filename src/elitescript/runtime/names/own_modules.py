@@ -38,7 +38,14 @@ def own_names(name: str, program: Owner) -> dict[str, Any]:
     return _MAKERS[name](program)
 
 
+def _dates(program: Owner) -> dict[str, Any]:
+    from elitescript.runtime.stdlib.datetime_module import datetime_names
+
+    return datetime_names(program.context, lambda: program.shelf.copy("_strptime"))
+
+
 _MAKERS: Final[dict[str, Callable[[Owner], dict[str, Any]]]] = {
+    "datetime": _dates,
     "elicopy": lambda program: dict(vars(program.shelf.facade("copy"))),
     "itertools": lambda program: itertools_names(steps_of(program.scheduler), lambda: program.shelf.copy("copy")),
     "os": lambda program: os_names(program.context.task_files, program.processes, Facade),

@@ -119,10 +119,7 @@ _SAME: Final = {"_collections_abc": "collections.abc"}
 
 PACKAGES: Final = frozenset({"json"})
 
-SOURCES: Final = {
-    "collections.abc": "_collections_abc",
-    "datetime": "datetime" if sys.version_info < (3, 12) else "_pydatetime",
-}
+SOURCES: Final = {"collections.abc": "_collections_abc"}
 """Name of the Python code of a module, if it is another one."""
 
 
@@ -135,7 +132,7 @@ def check_python(version: tuple[int, int] = sys.version_info[:2]) -> None:
     if version not in KNOWN_PYTHONS:
         known = ", ".join(f"{major}.{minor}" for major, minor in KNOWN_PYTHONS)
         raise InternalError(
-            f"Python {version[0]}.{version[1]} is newer or older than elitescript: its threading, queue and datetime "
+            f"Python {version[0]}.{version[1]} is newer or older than elitescript: its threading and queue "
             f"modules cannot be used in scripts; use Python {known}"
         )
 

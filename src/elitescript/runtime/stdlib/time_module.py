@@ -39,7 +39,8 @@ class ClockPort(Protocol):
         """Let `count` ticks go by."""
 
 
-_ZONE: Final = "UTC"
+ZONE: Final = "UTC"
+"""The zone of every robot."""
 _ZONE_FIELDS: Final = r"%%|%[-_0^#]*[0-9]*[EO]?([sZz])"
 
 
@@ -82,7 +83,7 @@ def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dic
 
     def gmtime(secs: float | None = None) -> Any:
         """Return a time as year, month, day, ... in UTC; the present one by default."""
-        return host.struct_time((*host.gmtime(time() if secs is None else secs)[:9], _ZONE, 0))
+        return host.struct_time((*host.gmtime(time() if secs is None else secs)[:9], ZONE, 0))
 
     def ctime(secs: float | None = None) -> str:
         """Return a time as a text; the present one by default."""
@@ -102,7 +103,7 @@ def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dic
             if kind == "s":
                 return str(round(mktime(parts)))
             if kind == "Z":
-                return str(getattr(parts, "tm_zone", None) or _ZONE).replace("%", "%%")
+                return str(getattr(parts, "tm_zone", None) or ZONE).replace("%", "%%")
             return _offset(getattr(parts, "tm_gmtoff", None) or 0) if kind == "z" else "%%"
 
         return str(host.strftime(real("re").sub(_ZONE_FIELDS, filled, template), parts))
@@ -141,7 +142,7 @@ def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dic
         "struct_time": host.struct_time,
         "thread_time": monotonic,
         "timezone": 0,
-        "tzname": (_ZONE, _ZONE),
+        "tzname": (ZONE, ZONE),
     }
 
 
