@@ -67,7 +67,7 @@ rows that do not hold any more. *Meant* says that the language, the manual or th
 _PROGRAMS: Final = """
 ## Other programs, and how much slower they are
 
-Programs of [pyperformance](https://pypi.org/project/pyperformance/) 1.14 run as they are, but for what they measure
+Programs of [pyperformance](https://github.com/python/pyperformance) 1.14 run as they are, but for what they measure
 with: {same} of {total} give CPython's output. The others are refused by name. Their loops take {mean:.2f} times the
 processor time of CPython in the geometric mean of {timed} (worst {worst:.2f}, best of {rounds}); that is what
 checkpoints cost.

@@ -139,3 +139,30 @@ textmsg(datetime.datetime.fromtimestamp(0), "|", now.strftime("%d.%m.%y"))
         "datetime.datetime(2020, 1, 2, 0, 0)True",
         "1970-01-01 00:00:00|02.01.24",
     ]
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("time.ctime(time.mktime((-100, 1, 10, 0, 0, 0, 0, 0, 0)))", "Wed Jan 10 00:00:00 -100"),
+        ("time.mktime((12345, 1, 10, 0, 0, 0, 0, 0, 0))", "327404160000.0"),
+        ("time.mktime((2024, 14, 32, 0, 0, 0, 0, 0, 0))", "1741046400.0"),
+        ("time.mktime((2024, 0, 1, 0, 0, 0, 0, 0, 0))", "1701388800.0"),
+        ("time.gmtime(time.mktime((0, 3, 1, 0, 0, 0, 0, 0, 0)))[:3]", "(0, 3, 1)"),
+        ("time.gmtime(time.mktime((400, 2, 29, 0, 0, 0, 0, 0, 0)))[:3]", "(400, 2, 29)"),
+    ],
+)
+def test_years_far_away_and_months_past_the_year(expression, value):
+    assert logged(f"textmsg({expression})") == [value]
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        ("time.strftime(b'%Y')", "strftime() argument 1 must be str, not bytes"),
+        ("time.mktime((1, 2))", "mktime(): illegal time tuple argument"),
+        ("time.mktime(5)", "Tuple or struct_time argument required"),
+    ],
+)
+def test_errors_of_times_have_the_texts_of_python(call, text):
+    assert logged(f"try:\n  {call}\nexcept TypeError as e:\n  textmsg(e)") == [text]

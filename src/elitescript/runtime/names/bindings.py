@@ -34,6 +34,7 @@ from elitescript.runtime.names.guards import (
     getattr_over,
 )
 from elitescript.runtime.names.modules import Facade, ModuleShelf
+from elitescript.runtime.sealed import Sealed
 from elitescript.runtime.stdlib.iteration import Steps, iter_until
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
 from elitescript.runtime.threads.strand import UNCATCHABLE
@@ -355,17 +356,34 @@ def _stand_in(name: str) -> type[BaseException]:
     return type(name, (BaseException,), {"__module__": "builtins"})
 
 
-def _group(name: str, _run: Bindings) -> type[Exception]:
-    """Return a class that handlers may name, and that cannot be called: groups could rebuild what ends a thread."""
+class _BaseGroup(BaseException, metaclass=Sealed):
+    """A class that handlers may name, and that cannot be called: groups could rebuild what ends a thread."""
 
-    def refuse(cls: type, *args: Any, **options: Any) -> NoReturn:
+    __module__ = "builtins"
+    __qualname__ = "BaseExceptionGroup"
+
+    def __new__(cls, *args: Any, **options: Any) -> NoReturn:
         raise ScriptPermissionError(
-            said("{name} is not available to programs", name=name),
-            command=name,
+            said("{name} is not available to programs", name=cls.__qualname__),
+            command=cls.__qualname__,
             hint="raise one exception; it can hold others in a list",
         )
 
-    return type(name, (Exception,), {"__module__": "builtins", "__new__": refuse})
+
+class _Group(_BaseGroup, Exception):
+    """See `_BaseGroup`."""
+
+    __module__ = "builtins"
+    __qualname__ = "ExceptionGroup"
+
+
+_GROUPS: Final = {kind.__qualname__: kind for kind in (_BaseGroup, _Group)}
+for _kind in _GROUPS.values():
+    type.__setattr__(_kind, "__name__", _kind.__qualname__)
+
+
+def _group(name: str, _run: Bindings) -> type[BaseException]:
+    return _GROUPS[name]
 
 
 def _copy_of(function: Any) -> Callable[[Bindings], Any]:
@@ -414,7 +432,7 @@ _LONG: Final = frozenset({"open", "print"})
 
 _MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
     **{name: partial(_refusal, name) for name in REFUSED_BUILTINS},
-    **{name: partial(_group, name) for name in ("BaseExceptionGroup", "ExceptionGroup")},
+    **{name: partial(_group, name) for name in _GROUPS},
     "KeyboardInterrupt": lambda run: _stand_in("KeyboardInterrupt"),
     "copy": _preloaded,
     "delattr": _copy_of(checked_delattr),

@@ -102,7 +102,8 @@ class Identities:
 
     def hash_of(self, value: Any) -> int:
         """Return `hash(value)`; the number of an object whose hash would follow from its address."""
-        if type(value).__hash__ is _OBJECT_HASH:
+        kind = type(value)
+        if kind.__hash__ is _OBJECT_HASH or (kind is float and value != value):
             return self.number(value) // STEP
         return hash(value)
 
@@ -111,6 +112,8 @@ class Identities:
         method = value.__hash__
         if method is _OBJECT_HASH:
             return self.object_hash
+        if type(value) is float and value != value:
+            return MethodType(self.object_hash, value)
         if type(method) is MethodWrapperType and method.__qualname__ == "object.__hash__":
             return MethodType(self.object_hash, method.__self__)
         return method

@@ -50,6 +50,7 @@ class Facade(metaclass=Sealed):
         return f"<module {_name.__get__(self)!r}>"
 
 
+type.__setattr__(Facade, "__name__", "module")
 _name = hidden_slot(Facade, "_name")
 
 

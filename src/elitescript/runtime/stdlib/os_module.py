@@ -143,6 +143,7 @@ _SIGNALS: Final = {
     "SIGSTOP": 19,
 }
 _UNHANDLED: Final = frozenset((9, 19))
+_SIGNAL_MAX: Final = 64
 
 
 def signal_names() -> dict[str, Any]:
@@ -155,12 +156,16 @@ def signal_names() -> dict[str, Any]:
             raise ValueError("signal number out of range")
         if number in _UNHANDLED:
             raise OSError(22, "Invalid argument")
+        if not callable(handler) and handler not in (0, 1):
+            raise TypeError("signal handler must be signal.SIG_IGN, signal.SIG_DFL, or a callable object")
         before = handlers.get(number, 0)
         handlers[number] = handler
         return before
 
     def getsignal(number: int) -> Any:
         """Return the handler that was kept."""
+        if not 1 <= number <= _SIGNAL_MAX:
+            raise ValueError("signal number out of range")
         return handlers.get(number, 0)
 
     return {**_SIGNALS, "SIG_DFL": 0, "SIG_IGN": 1, "getsignal": getsignal, "signal": signal}

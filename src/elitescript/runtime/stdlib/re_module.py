@@ -38,12 +38,18 @@ class RegexFlag(int, metaclass=Sealed):
     def __and__(self, other: Any) -> Any:
         return RegexFlag(int(self) & other) if isinstance(other, int) else NotImplemented
 
+    def __xor__(self, other: Any) -> Any:
+        return RegexFlag(int(self) ^ other) if isinstance(other, int) else NotImplemented
+
+    def __invert__(self) -> Any:
+        return RegexFlag(~real("re").RegexFlag(int(self)))
+
     __ror__ = __or__
     __rand__ = __and__
+    __rxor__ = __xor__
 
     def __repr__(self) -> str:
-        names = [f"re.{name}" for name, value in _FLAGS.items() if len(name) > 2 and value and self & value]
-        return "|".join(names) or "re.NOFLAG"
+        return repr(real("re").RegexFlag(int(self)))
 
     __str__ = __repr__
 

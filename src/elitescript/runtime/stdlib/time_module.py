@@ -41,6 +41,8 @@ class ClockPort(Protocol):
 
 ZONE: Final = "UTC"
 """The zone of every robot."""
+_CYCLE_S: Final = 146097 * 86400
+"""Seconds in 400 years."""
 _ZONE_FIELDS: Final = r"%%|%[-_0^#]*[0-9]*[EO]?([sZz])"
 
 
@@ -97,6 +99,8 @@ def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dic
         """Return year, month, day, ... in a form of one's own; the present time by default."""
         if parts is None:
             parts = gmtime()
+        if not isinstance(template, str):
+            return str(host.strftime(template, parts))
 
         def filled(field: Any) -> str:
             kind = field[1]
@@ -110,7 +114,13 @@ def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dic
 
     def mktime(parts: Any) -> float:
         """Return the seconds since 1970 of year, month, day, ... in UTC."""
-        return float(real("calendar").timegm(parts))
+        host.mktime(parts)  # for its errors; what it returns depends on the zone of the computer
+        year, month, day, hour, minute, second = parts[:6]
+        year, month = year + (month - 1) // 12, (month - 1) % 12 + 1
+        # `calendar` knows the years 1 to 9999; the calendar repeats after 400 years.
+        cycles, year = divmod(year - 1, 400)
+        count_s = real("calendar").timegm((year + 1, month, day, hour, minute, second))
+        return float(count_s + cycles * _CYCLE_S)
 
     def strptime(text: str, template: str = "%a %b %d %H:%M:%S %Y") -> Any:
         """Read a time in a form of one's own."""
