@@ -14,7 +14,7 @@ from functools import partial
 from importlib import import_module as import_real
 from itertools import chain, repeat
 from types import CodeType, FunctionType
-from typing import TYPE_CHECKING, Any, Final, NoReturn
+from typing import TYPE_CHECKING, Any, Final, NoReturn, Self
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.registry import Command
@@ -362,7 +362,7 @@ class _BaseGroup(BaseException, metaclass=Sealed):
     __module__ = "builtins"
     __qualname__ = "BaseExceptionGroup"
 
-    def __new__(cls, *args: Any, **options: Any) -> NoReturn:
+    def __new__(cls, *args: Any, **options: Any) -> Self:
         raise ScriptPermissionError(
             said("{name} is not available to programs", name=cls.__qualname__),
             command=cls.__qualname__,
@@ -377,7 +377,7 @@ class _Group(_BaseGroup, Exception):
     __qualname__ = "ExceptionGroup"
 
 
-_GROUPS: Final = {kind.__qualname__: kind for kind in (_BaseGroup, _Group)}
+_GROUPS: Final[dict[str, type[BaseException]]] = {kind.__qualname__: kind for kind in (_BaseGroup, _Group)}
 for _kind in _GROUPS.values():
     type.__setattr__(_kind, "__name__", _kind.__qualname__)
 

@@ -33,6 +33,7 @@ _OWN_COPIES: Final = frozenset((int, float, bool, complex, str, bytes, range, ty
 """Classes of values that `copy.deepcopy` returns as they are."""
 
 _OBJECT_HASH: Final[object] = object.__hash__
+_FLOAT_HASH: Final[object] = float.__hash__
 _SHOWN: Final = "@shown"
 """Attribute of our metaclasses that no program can name: the one that it stands for."""
 
@@ -102,8 +103,7 @@ class Identities:
 
     def hash_of(self, value: Any) -> int:
         """Return `hash(value)`; the number of an object whose hash would follow from its address."""
-        kind = type(value)
-        if kind.__hash__ is _OBJECT_HASH or (kind is float and value != value):
+        if type(value).__hash__ is _OBJECT_HASH or _is_hashed_nan(value):
             return self.number(value) // STEP
         return hash(value)
 
@@ -112,7 +112,7 @@ class Identities:
         method = value.__hash__
         if method is _OBJECT_HASH:
             return self.object_hash
-        if type(value) is float and value != value:
+        if _is_hashed_nan(value):
             return MethodType(self.object_hash, value)
         if type(method) is MethodWrapperType and method.__qualname__ == "object.__hash__":
             return MethodType(self.object_hash, method.__self__)
@@ -233,6 +233,11 @@ def _unused(held: dict[int, Any]) -> list[int]:
 # ---------------------------------------------------------------- classes
 
 
+def _is_hashed_nan(value: Any) -> bool:
+    """Return whether this is a float that is not a number and has the hash of floats, which is its address then."""
+    return type(value).__hash__ is _FLOAT_HASH and bool(float.__ne__(value, value))
+
+
 class _OneArgument(Sealed):
     """Makes `type` a function of one argument that is still usable in `isinstance`."""
 
@@ -264,7 +269,9 @@ class OneArgumentType(metaclass=_OneArgument):
     """Not called; classes are callable, and abstract classes look for it here."""
 
 
-type.__setattr__(OneArgumentType, "__name__", "type")
+# Messages of Python name the class of an object.
+for _kind in (_OneArgument, OneArgumentType):
+    type.__setattr__(_kind, "__name__", "type")
 
 
 def shown_class(kind: Any) -> Any:
