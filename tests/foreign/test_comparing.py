@@ -77,6 +77,12 @@ def test_what_varies_in_cpython_itself_hides_nothing_else() -> None:
     assert settle(noted(1, 7), noted(1), noted(1, 7, 8)).cause == Cause.VARIES
 
 
+def test_a_failure_over_a_value_that_varies_varies() -> None:
+    slow, slower = (Outcome("failed", "AssertionError", f"{s} not less than 0.1", 7) for s in (0.3, 0.2))
+    assert settle(slow, Outcome("passed"), slower).cause == Cause.VARIES
+    assert settle(slow, Outcome("passed"), slow).cause == Cause.VALUE
+
+
 PROGRAM = """global foreign_end, foreign_notes
 foreign_notes = [["equal", repr(3), repr(1 + 2)]]
 foreign_end = []
