@@ -299,6 +299,7 @@ class TestReads:
         "page/__init__.py": "files of the package",
         "plotting/plain_page.py": "files of the package",
         "pytest_plugin/served.py": "what its own process writes",
+        "runtime/addresses.py": "/proc of its own process",
         "services/child/jail.py": "folders, not read",
         "services/child/process.py": "/proc of its own processes",
         "studio/live/link.py": "what its own process writes to it",

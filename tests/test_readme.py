@@ -31,8 +31,12 @@ def prose(text: str) -> str:
 
 
 def links(text: str) -> list[str]:
-    """Return the targets of links and pictures in their order, without the link to the other language."""
-    return [target for target in re.findall(r"\]\(([^)]+)\)", prose(text)) if not target.startswith("README")]
+    """Return the targets of links and pictures in their order, without the link to the other language.
+
+    A Chinese page counts as the English one that it translates.
+    """
+    targets = re.findall(r"\]\(([^)]+)\)", prose(text))
+    return [target.replace(".zh.md", ".md") for target in targets if not target.startswith("README")]
 
 
 def commands(text: str) -> list[str]:

@@ -55,7 +55,7 @@ def call(folder, name, wall_s=20.0, **arguments):
         (
             "def f():\n  x = get_standard_digital_in(0) == 'on'\n  n = len([])\n  y = 1 / n\nend\n",
             "alarm",
-            ["R100", "W240"],
+            ["R100", "W240", "W264"],
         ),
         ("def f():\n  x = = 1\nend\n", "does_not_compile", ["E001"]),
     ],

@@ -46,7 +46,7 @@ def texts(image):
     [
         (SOUND, GOOD, "finished"),
         (SERVO, DOUBTFUL, "finished, 1 warning"),
-        (ALARM, BAD, "ended by an alarm"),
+        (ALARM, BAD, "ended by an alarm, 1 warning"),
         (ENDLESS, DOUBTFUL, "still running at the time limit"),
     ],
 )

@@ -31,23 +31,26 @@ class Passage:
             the squared period; 0.25 is what a change of the acceleration within a period makes, at most.
     """
 
-    __slots__ = ("_bounds", "beside", "tool", "what")
+    __slots__ = ("_bounds", "_jump_share", "beside", "tool", "what")
 
     def __init__(self, tool: ToolMotion, what: str, beside: str, jump_share: float = 0.25) -> None:
         self.tool = tool
         self.what = what
         self.beside = beside
-        limits = tool.limits
-        self._bounds = [
-            (top * _ROUNDING, jump_share * a_top * PERIOD_S * PERIOD_S * _ROUNDING, a_top * _ROUNDING)
-            for top, a_top in zip(limits.qd_max, limits.qdd_max, strict=True)
-        ]
-        """Greatest speed, jump and acceleration of each joint."""
+        self._jump_share = jump_share
+        self._bounds: list[tuple[float, float, float]] = []
+        """Greatest speed, jump and acceleration of each joint; empty before the first target."""
 
     def obstacle(self, before: Setpoint, target: Setpoint) -> Obstacle | None:
         """Return the obstacle to a target one period after a state; None if there is none."""
         tool = self.tool
         limits = tool.limits
+        if not self._bounds:
+            share = self._jump_share
+            self._bounds = [
+                (top * _ROUNDING, share * a_top * PERIOD_S * PERIOD_S * _ROUNDING, a_top * _ROUNDING)
+                for top, a_top in zip(limits.qd_max, limits.qdd_max, strict=True)
+            ]
         for joint, q, q_before, w, w_before, (w_max, jump_max, a_max) in zip(
             range(6), target.q, before.q, target.qd, before.qd, self._bounds, strict=True
         ):
