@@ -17,6 +17,7 @@ from typing import Any, Final, ParamSpec, TypeVar
 
 from elitescript.records import NamedTuple
 from elitescript.said import Said, said
+from elitescript.sealed import Sealed
 from elitescript.shown import shown, shown_word
 
 _Given = ParamSpec("_Given")
@@ -309,7 +310,14 @@ class DebugError(Exception):
     """A look into a program, or an expression over its values, that cannot be met; the text says why, for people."""
 
 
-class ScriptError(Exception):
+class _Shown(Sealed):
+    """Metaclass of errors that programs catch; they are written as those of Python are, without a module."""
+
+    def __repr__(cls) -> str:
+        return f"<class '{cls.__qualname__}'>"
+
+
+class ScriptError(Exception, metaclass=_Shown):
     """A robot command refused a call; scripts may catch it.
 
     Raised on the script's own line. The subclasses are also the built-in exceptions that

@@ -23,8 +23,8 @@ from elitescript.runtime.environment import (
     relative_name,
     without_addresses,
 )
-from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.said import said
+from elitescript.sealed import Sealed, hidden_slot, no_copy
 
 OPEN_FILES_MAX: Final = 256
 """Files that one program may have open at a time (*assumed*; what a Linux controller allows by default is 1024)."""

@@ -28,10 +28,10 @@ from elitescript.runtime.connections.rpc_texts import values_and_method
 from elitescript.runtime.connections.sockets import CONNECT_TICKS, NO_NETWORK
 from elitescript.runtime.connections.traffic import ChannelLog, Traffic, cut
 from elitescript.runtime.environment import Channels, without_addresses
-from elitescript.runtime.sealed import Sealed, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
 from elitescript.said import said
+from elitescript.sealed import Sealed, no_copy
 
 CALLS_MAX: Final = 32
 """Most simultaneous calls of one program (*assumed*)."""

@@ -34,11 +34,11 @@ from elitescript.runtime.names.guards import (
     getattr_over,
 )
 from elitescript.runtime.names.modules import Facade, ModuleShelf
-from elitescript.runtime.sealed import Sealed
 from elitescript.runtime.stdlib.iteration import Steps, iter_until
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
 from elitescript.runtime.threads.strand import UNCATCHABLE
 from elitescript.said import said
+from elitescript.sealed import Sealed
 
 if TYPE_CHECKING:
     from elitescript.runtime.names.identities import Identities

@@ -19,7 +19,7 @@ from types import FunctionType, GenericAlias, MethodType, MethodWrapperType, res
 from typing import Any, Final
 from weakref import ref
 
-from elitescript.runtime.sealed import Sealed
+from elitescript.sealed import Sealed
 
 STEP: Final = 16
 """Distance of two numbers, which look like addresses; a hash is the number divided by it, as in Python."""

@@ -18,10 +18,10 @@ from typing import Any, Final, NoReturn, Protocol
 
 from elitescript.language.modules import AVAILABLE, COPIED_NAMES, NETWORK, SHARED, SHARED_NAMES
 from elitescript.language.policy import is_attribute_allowed, is_dunder
-from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
 from elitescript.said import said
+from elitescript.sealed import Sealed, hidden_slot, no_copy
 
 
 class Facade(metaclass=Sealed):

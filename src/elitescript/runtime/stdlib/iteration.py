@@ -10,8 +10,8 @@ from operator import itemgetter
 from types import ModuleType
 from typing import Any, Final
 
-from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import real
+from elitescript.sealed import Sealed, hidden_slot, no_copy
 
 _SHARED: Final = (
     "accumulate chain combinations combinations_with_replacement compress dropwhile filterfalse groupby islice"

@@ -13,9 +13,9 @@ from collections import deque
 from typing import Any, Final
 
 from elitescript.messages.timing import ticks_for
-from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
+from elitescript.sealed import Sealed, hidden_slot, no_copy
 
 A_LOCK: Final = "a lock"
 """Reason of a wait for a lock."""

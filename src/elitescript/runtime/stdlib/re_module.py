@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from elitescript.runtime.sealed import Sealed
 from elitescript.runtime.stdlib.loader import forwarded, real
+from elitescript.sealed import Sealed
 
 _FUNCTIONS: Final = "compile escape findall finditer fullmatch match search split sub subn"
 

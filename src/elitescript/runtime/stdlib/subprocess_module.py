@@ -14,9 +14,9 @@ from typing import Any, Final
 from elitescript.errors import ScriptPermissionError, ScriptStateError
 from elitescript.messages.timing import ticks_for
 from elitescript.runtime.files import ScriptFile, file_over
-from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.said import said
+from elitescript.sealed import Sealed, hidden_slot, no_copy
 
 PROCESSES_MAX: Final = 32
 """Processes that a program may have running."""

@@ -8,7 +8,7 @@ from operator import itemgetter
 from typing import Any
 
 from elitescript.runtime.files import ScriptStream
-from elitescript.runtime.sealed import Sealed
+from elitescript.sealed import Sealed
 
 
 class VersionInfo(tuple[Any, ...], metaclass=Sealed):

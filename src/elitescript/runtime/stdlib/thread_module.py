@@ -10,10 +10,10 @@ from types import SimpleNamespace
 from typing import Any, NoReturn, Protocol
 
 from elitescript.messages.timing import ticks_for
-from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.locks import TIMEOUT_MAX, lock, new_lock, new_rlock, release_at_end
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import ENDED, STOP, Stopped, Strand
+from elitescript.sealed import Sealed, hidden_slot, no_copy
 
 
 class ThreadPort(Protocol):

@@ -2,7 +2,7 @@ import copy
 
 import pytest
 
-from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
+from elitescript.sealed import Sealed, hidden_slot, no_copy
 
 
 class Box(metaclass=Sealed):
