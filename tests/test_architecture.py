@@ -555,12 +555,12 @@ class TestStartUp:
     def test_the_catalogue_loads_no_machine_and_no_runtime(self):
         loaded = self.modules_after("import elitescript.commands.catalogue")
         parts = {name.split(".")[1] for name in loaded if name.startswith("elitescript.")}
-        assert parts <= {"commands", "kinematics", "messages", "errors", "records", "said", "shown"}
+        assert parts <= {"commands", "kinematics", "messages", "errors", "records", "said", "sealed", "shown"}
 
     def test_the_checker_loads_no_machine_and_no_runtime(self):
         loaded = self.modules_after("import elitescript.lint.engine")
         parts = {name.split(".")[1] for name in loaded if name.startswith("elitescript.")}
-        below = {"kinematics", "messages", "errors", "records", "said", "shown", "untrusted", "paths"}
+        below = {"kinematics", "messages", "errors", "records", "said", "sealed", "shown", "untrusted", "paths"}
         assert parts <= {"lint", "commands", "language"} | below
 
     def test_a_robot_loads_nothing_slow(self):

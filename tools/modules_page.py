@@ -59,7 +59,7 @@ _HOW: Final = {
 _NOTES: Final = {
     "collections.abc": "`isinstance` knows the classes of `collections` and those of programs.",
     "dataclasses": "`ClassVar`, `InitVar` and `KW_ONLY` are known, also within texts. Frozen ones are hashed by value.",
-    "datetime": "`now` and `today` are robot time.",
+    "datetime": "Classes are those of Python; their clock and their zone are those of the robot.",
     "os": "Paths are those of the task folder; no process, user or device of the computer.",
     "queue": "Waits take robot time.",
     "random": "Numbers follow the seed of the run.",
