@@ -373,11 +373,10 @@ class Tasks:
             return Refused("another program has been started meanwhile")
         controller.safety.require("start_task")
         controller.power.require_ready()
-        return (
-            None
-            if data is None
-            else self._start(str(fetch.sender), SourceFile.from_bytes(str(fetch.sender), data).text, fetch.origin)
-        )
+        if data is None:
+            return None
+        name = str(fetch.sender)
+        return self._start(name, SourceFile.from_bytes(name, data).text, fetch.origin)
 
     def _set_variable(self, name: str, value: str) -> Outcome:
         if self._controller.task.is_running:
